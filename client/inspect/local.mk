@@ -6,12 +6,14 @@ PAGE_FILES = \
     client/inspect/make_page.sh \
     client/inspect/package.json \
     client/inspect/package-lock.json \
+    client/inspect/src/address.js \
     client/inspect/src/boxes.js \
     client/inspect/src/colours.js \
     client/inspect/src/contacts.js \
     client/inspect/src/counters.js \
     client/inspect/src/data.js \
     client/inspect/src/dom.js \
+    client/inspect/src/find.js \
     client/inspect/src/index.html \
     client/inspect/src/keys.js \
     client/inspect/src/lanes.js \
@@ -25,7 +27,8 @@ PAGE_FILES = \
     client/inspect/src/state.js \
     client/inspect/src/style.css \
     client/inspect/src/timeline.js \
-    client/inspect/src/transport.js
+    client/inspect/src/transport.js \
+    client/inspect/src/words.js
 
 client/inspect/page.html: $(PAGE_FILES) Makefile
 	$(AM_V_GEN)$(SHELL) $(srcdir)/client/inspect/make_page.sh '$(with_inspect)' '$(srcdir)' $@

@@ -34,7 +34,7 @@ def _free_port():
 class Browser:
     """A window of its own, with a profile of its own in `folder`."""
 
-    def __init__(self, folder, width=1500, height=950, dark=True, webgl=True):
+    def __init__(self, folder, width=1200, height=800, dark=True, webgl=True):
         driver, chromium = shutil.which("chromedriver"), shutil.which("chromium")
         port = _free_port()
         self.log = open(os.path.join(folder, "driver.log"), "ab")
@@ -88,23 +88,46 @@ class Browser:
         except urllib.error.HTTPError as error:
             raise RuntimeError(json.load(error)["value"]["message"]) from None
 
+    def _command(self, name, **params):
+        self._ask("POST", self.session + "/goog/cdp/execute",
+                  {"cmd": name, "params": params})
+
     def resize(self, width, height):
         """The page's room in pixels: also less than a window can have, as phones do."""
-        room = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": True}
-        self._ask("POST", self.session + "/goog/cdp/execute",
-                  {"cmd": "Emulation.setDeviceMetricsOverride", "params": room})
+        self._command("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                      deviceScaleFactor=1, mobile=True)
+
+    def resize_back(self):
+        self._command("Emulation.clearDeviceMetricsOverride")
+
+    def dress(self, theme):
+        """"dark" or "light"."""
+        self._command("Emulation.setEmulatedMedia", features=[
+            {"name": "prefers-color-scheme", "value": theme}])
+
+    def tap(self, x, y):
+        """With a finger."""
+        self._command("Input.dispatchTouchEvent", type="touchStart",
+                      touchPoints=[{"x": x, "y": y}])
+        self._command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def open_blank(self):
         self._ask("POST", self.session + "/url", {"url": "about:blank"})
 
-    def open(self, path):
+    def open(self, path, behind=""):
+        """`behind`: the address, such as "#step=3"."""
         self._ask("POST", self.session + "/url",
-                  {"url": pathlib.Path(path).resolve().as_uri()})
+                  {"url": pathlib.Path(path).resolve().as_uri() + behind})
 
     def run(self, script, *arguments):
         """What `script`, the body of a function, returns."""
         return self._ask("POST", self.session + "/execute/sync",
                          {"script": script, "args": list(arguments)})
+
+    def run_async(self, script, *arguments):
+        """What it gives to its last argument."""
+        return self._ask("POST", self.session + "/execute/async",
+                         {"script": script, "args": arguments})
 
     def wait(self, script, *arguments):
         """Until it returns what is true."""
@@ -117,11 +140,11 @@ class Browser:
 
     def frames(self, count=2):
         """Let the page draw."""
-        self._ask("POST", self.session + "/execute/async", {"args": [count], "script": """
+        self.run_async("""
             const [count, done] = arguments;
             const next = (left) =>
               (left > 0 ? requestAnimationFrame(() => next(left - 1)) : done());
-            next(count);"""})
+            next(count);""", count)
 
     def _element(self, selector):
         found = self._ask("POST", self.session + "/element",
@@ -140,6 +163,11 @@ class Browser:
     def picture(self, path):
         with open(path, "wb") as to:
             to.write(base64.b64decode(self._ask("GET", self.session + "/screenshot")))
+
+    def picture_of(self, selector):
+        """A PNG of an element, as base64 text."""
+        return self._ask(
+            "GET", f"{self.session}/element/{self._element(selector)}/screenshot")
 
     def said(self):
         """Warnings and errors of the console since the last time."""

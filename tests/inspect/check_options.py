@@ -7,6 +7,7 @@ Does:     options, exit statuses, size; the data against what check said.
 import array
 import json
 import os
+import random
 import tempfile
 import unittest
 
@@ -134,31 +135,53 @@ class Options(unittest.TestCase):
         self.assertEqual([step["number"] for step in page.meta["steps"]], [1, 3])
         self.assertLess(self.worst(page, 1, "x0", 2), 1e-5)
 
-    # If it failed, a page could become larger than a browser opens, without a word.
-    def test_size__is_kept_and_told(self):
-        names = [f"large{i}.ply" for i in range(4)]
-        points = 30000
-        for i, name in enumerate(names):
+    # If it failed, a page could become larger than a browser opens, or show the begin of
+    # a recording and not its end, without a word.
+    def test_size__is_kept_by_steps_that_are_left_out_evenly(self):
+        names = [f"large{i}.ply" for i in range(15)]
+        points, draw = 8000, random.Random(1).random  # cannot be compressed
+        for name in names:
             with open(os.path.join(self.made.name, name), "w") as to:
                 to.write(f"ply\nformat ascii 1.0\nelement vertex {points}\n"
                          "property float x\nproperty float y\nproperty float z\n"
                          "element face 1\nproperty list uchar int vertex_indices\n"
                          "end_header\n")
-                to.writelines(f"{v} {i} 0\n" for v in range(points))
+                to.writelines(f"{v} {draw():.7f} {draw():.7f}\n" for v in range(points))
                 to.write("3 0 1 2\n")
-        pccdctl("record", "-o", "large.rec", "--", os.environ["PCCDCTL"], "check", *names,
-                folder=self.made.name)
-        done = pccdctl("inspect", "large.rec", "-o", "large.html", "--max-size", "2",
-                       folder=self.made.name)
+        done = pccdctl("inspect", *names, "-o", "large.html", "--max-size", "2", "--json",
+                       "--no-lanes", "--boxes", "0", folder=self.made.name)
         path = os.path.join(self.made.name, "large.html")
+        said, shown = json.loads(done.stdout), Page(path).meta["steps"]
         self.assertLessEqual(os.path.getsize(path), 2 * MIB)
-        self.assertIn("full after step", done.stderr)
-        self.assertTrue(Page(path).meta["is_full"])
-        done = pccdctl("inspect", "large.rec", "-o", "none.html", "--max-size", "1",
-                       folder=self.made.name, check=False)
+        self.assertGreater(said["every"], 1)
+        self.assertIn(f"one step in {said['every']}: --max-size", done.stderr)
+        self.assertEqual([step["number"] for step in shown],
+                         list(range(1, len(names), said["every"])))
+        self.assertGreater(len(shown), 2)
+
+    # If it failed, what does not fit at all would end in a page without a step.
+    def test_size__of_one_step_may_be_too_much(self):
+        points, draw = 40000, random.Random(1).random
+        with open(os.path.join(self.made.name, "wide.obj"), "w") as to:
+            to.writelines(f"v {v} {draw():.7f} {draw():.7f}\n" for v in range(points))
+            to.write("f 1 2 3\n")
+        done = pccdctl("inspect", "wide.obj", "wide.obj", "-o", "none.html", "--max-size",
+                       "1", folder=self.made.name, check=False)
         self.assertEqual(done.returncode, 4)
         self.assertIn("--max-size", done.stderr)
         self.assertFalse(os.path.exists(os.path.join(self.made.name, "none.html")))
+
+    # If it failed, most scenes would lie on their side, and nobody could turn them.
+    def test_up__is_guessed_or_given(self):
+        self.assertEqual(self.page().meta["up"], "y")  # the sheet sinks
+        self.assertEqual(self.page("--up", "x").meta["up"], "x")
+        for name, height in (("above.obj", 1), ("below.obj", -1)):
+            with open(os.path.join(self.made.name, name), "w") as to:
+                to.write(f"v 0 0 {height}\nv 3 0 {height}\nv .1 2 {height}\nf 1 2 3\n")
+        pccdctl("inspect", "above.obj", "below.obj", "-o", "up.html",
+                folder=self.made.name)
+        page = Page(os.path.join(self.made.name, "up.html"))
+        self.assertEqual(page.meta["up"], "z")
 
     # If it failed, the page would ask for something, or run what it was not built with.
     def test_page__names_no_address_and_has_a_policy(self):
@@ -192,6 +215,7 @@ class Options(unittest.TestCase):
     def test_options__are_refused_when_they_are_wrong(self):
         for wrong in (["x.rec"], ["x.rec", "-o", "x.htm"], ["-o", "x.html"],
                       ["x.rec", "-o", "x.html", "--every", "0"],
+                      ["x.rec", "-o", "x.html", "--up", "xy"],
                       ["x.rec", "-o", "x.html", "--max-size", "99999"]):
             done = pccdctl("inspect", *wrong, check=False, folder=self.made.name)
             self.assertEqual((done.returncode, bool(done.stderr)), (2, True), wrong)

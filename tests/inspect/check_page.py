@@ -2,19 +2,25 @@
 
 Room:     tests/inspect.
 Does:     open it from the file system and use it as people do; compare what it shows with
-          what check said of the same frames.
-          $PCCD_PICTURES: a folder for pictures of it.
+          what check said of the same frames. All cases have one browser, but the one
+          without WebGL.
+          $PCCD_PICTURES: a folder for pictures of it. $NODE_MODULES: where axe-core is.
 """
 
+import csv
 import math
 import os
+import pathlib
 import tempfile
 import unittest
 
 from browser import Browser, is_here
-from scene import FRAMES, NAME, RADIUS, Scene, ThickScene, pccdctl, positions
+from scene import (FRAMES, NAME, RADIUS, ObjectsScene, Scene, ThickScene, pccdctl,
+                   positions)
 
-SPACE, ENTER, RIGHT, HOME = " ", "\ue007", "\ue014", "\ue011"
+SPACE, ENTER, RIGHT, HOME, DOWN = " ", "\ue007", "\ue014", "\ue011", "\ue015"
+TAB, ESCAPE = "\ue004", "\ue00c"
+AXE = pathlib.Path(os.environ.get("NODE_MODULES", ""), "axe-core", "axe.min.js")
 READY = "return document.body.classList.contains('ready')"
 # How many colours a canvas shows; of the view, after it has been drawn.
 COLOURS = """
@@ -32,42 +38,72 @@ SET = """
     input.value = arguments[1];
     input.dispatchEvent(new Event(input.tagName === 'SELECT' ? 'change' : 'input'));"""
 TEXT = "return document.getElementById(arguments[0]).textContent"
+# The colours of a picture without its rim, and how many pixels have each: the page counts
+# faster than Python.
+PIXELS = """
+    const [png, done] = arguments;
+    const image = new Image();
+    image.onload = () => {
+      const canvas = new OffscreenCanvas(image.width - 4, image.height - 4);
+      const context = canvas.getContext('2d');
+      context.drawImage(image, -2, -2);
+      const {data} = context.getImageData(0, 0, canvas.width, canvas.height);
+      const counts = new Map();
+      for (let i = 0; i < data.length; i += 4) {
+        const colour = data.slice(i, i + 3).join();
+        counts.set(colour, (counts.get(colour) ?? 0) + 1);
+      }
+      done([...counts].map(([colour, many]) => [colour.split(',').map(Number), many]));
+    };
+    image.src = `data:image/png;base64,${png}`;"""
 
 
 def number(text):
     return int("".join(digit for digit in text if digit.isdigit()))
 
 
+def luminance(colour):
+    parts = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+             for c in (part / 255 for part in colour)]
+    return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+
+
+def contrast(a, b):
+    """1 .. 21, as WCAG 2.2 defines it."""
+    low, high = sorted((luminance(a), luminance(b)))
+    return (high + 0.05) / (low + 0.05)
+
+
+class All:
+    """What the cases share: a folder, a recording with its page, a browser."""
+
+
+def setUpModule():
+    if not is_here():
+        return
+    made = tempfile.TemporaryDirectory()
+    unittest.addModuleCleanup(made.cleanup)
+    All.folder = made.name
+    All.scene = Scene(made.name)
+    All.scene.inspect("page.html")
+    All.browser = Browser(made.name)
+    unittest.addModuleCleanup(All.browser.close)
+
+
 @unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
 class InBrowser(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.made = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.made.cleanup)
-        cls.scene = Scene(cls.made.name)
-        cls.scene.inspect("page.html")
-        cls.page = os.path.join(cls.made.name, "page.html")
+        cls.browser, cls.scene = All.browser, All.scene
+        cls.page = os.path.join(All.folder, "page.html")
 
-    def open(self, browser):
+    def open(self, page=None, behind="", browser=None):
+        browser = browser or self.browser
         browser.open_blank()
         browser.said(), browser.asked()
-        browser.open(self.page)
+        browser.open(page or self.page, behind)
         browser.wait(READY)
         browser.frames()
-
-
-class Opened(InBrowser):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.browser = Browser(cls.made.name)
-        cls.addClassCleanup(cls.browser.close)
-
-    def setUp(self):
-        self.open(self.browser)
-
-    def tearDown(self):
-        self.assertEqual(self.browser.said(), [])
 
     def text(self, name):
         return self.browser.run(TEXT, name)
@@ -75,9 +111,41 @@ class Opened(InBrowser):
     def value(self, name):
         return self.browser.run("return pccd.state.values[arguments[0]]", name)
 
+    def is_seen(self, name):
+        return self.browser.run(
+            "return document.getElementById(arguments[0]).checkVisibility()", name)
+
     def set(self, name, value):
         self.browser.run(SET, name, str(value))
+        if name == "step":  # its data are unpacked first
+            self.browser.wait("return pccd.state.values.index === arguments[0]",
+                              int(value))
         self.browser.frames()
+
+    def facts(self, name):
+        """Of one of the lists of names and values."""
+        return self.browser.run("""
+            const all = [...document.getElementById(arguments[0])
+              .querySelectorAll("dt, dd, .fact > *")].map((one) => one.textContent);
+            return Object.fromEntries(all.filter((_, i) => i % 2 === 0)
+              .map((name, i) => [name, all[2 * i + 1]]));""", name)
+
+    def pixels(self, selector):
+        """The colours of an element as it is seen: [[red, green, blue], how many]."""
+        return self.browser.run_async(PIXELS, self.browser.picture_of(selector))
+
+    def picture(self, name):
+        folder = os.environ.get("PCCD_PICTURES")
+        if folder:
+            self.browser.picture(os.path.join(folder, f"{name}.png"))
+
+
+class Opened(InBrowser):
+    def setUp(self):
+        self.open()
+
+    def tearDown(self):
+        self.assertEqual(self.browser.said(), [])
 
     def shown(self, step, t):
         """The places of vertices, step from 0, against the true ones."""
@@ -93,14 +161,14 @@ class Opened(InBrowser):
         self.browser.run("document.getElementById('play').click()")
         self.browser.frames(20)
         asked = [at for at in self.browser.asked() if not at.startswith("data:")]
-        self.assertEqual(asked, [self.browser.run("return location.href")])
+        self.assertEqual(asked, [self.browser.run("return location.href.split('#')[0]")])
         self.assertTrue(asked[0].startswith("file:///"))
 
     # If it failed, there would be nothing to see.
     def test_view__shows_surfaces_and_contacts(self):
         self.assertGreater(self.browser.run(COLOURS, "view"), 500)
         drawn = self.browser.run("return pccd.view.picture()")
-        self.browser.run("pccd.state.set({kinds: [false, false]})")
+        self.browser.run("pccd.state.set({kinds: []})")
         self.browser.frames()
         self.assertNotEqual(self.browser.run("return pccd.view.picture()"), drawn)
 
@@ -169,17 +237,21 @@ class Opened(InBrowser):
         before = self.browser.run("return pccd.view.picture()")
         self.browser.click("#contact-rows .row:nth-child(3)")
         self.browser.frames(60)
+        self.assertGreater(self.browser.run(IN_SIGHT), 0.5)
         chosen = self.value("chosen")
         self.assertEqual(chosen, self.value("picked")[2])
         toi = self.browser.run("""
             const {index, chosen} = pccd.state.values;
             return pccd.data.step(index).contacts.toi[chosen];""")
         self.assertEqual(self.value("t"), toi)
-        self.assertIn("meets", self.text("caption"))
+        self.assertIn("face", self.facts("detail-facts")["second"])
         self.assertNotEqual(self.browser.run("return pccd.view.picture()"), before)
 
     # If it failed, a level of a hierarchy would not be seen, or not be around the scene.
     def test_boxes__of_a_level_appear_around_the_scene(self):
+        self.assertFalse(self.is_seen("hierarchy"))
+        self.browser.click("#engine summary")
+        self.browser.frames()
         without = self.browser.run("return pccd.view.picture()")
         levels = self.browser.run("""
             return pccd.data.meta.steps[pccd.state.values.index].boxes.faces
@@ -194,7 +266,7 @@ class Opened(InBrowser):
         self.assertEqual(len(pictures), len(levels) + 1)
         outside = self.browser.run("""
             const {index} = pccd.state.values;
-            const root = pccd.data.boxes(index, 'faces', 0);
+            const root = pccd.data.step(index).boxesAt('faces', 0);
             const {x0, x1} = pccd.data.step(index).objects[0];
             const is_in = (x, i, at) =>
               x >= root[at + i % 3] && x <= root[at + 3 + i % 3];
@@ -213,8 +285,12 @@ class Opened(InBrowser):
         self.browser.click("#fit")
         self.browser.wait("return pccd.view.picture() === arguments[0]", before)
 
-    # If it failed, what the threads did would be in the page and not be seen.
+    # If it failed, what the threads did would be in the page and not be seen, or be in
+    # the way of who does not ask for it.
     def test_lanes__are_drawn_for_each_thread(self):
+        self.assertFalse(self.is_seen("lanes"))
+        self.browser.click("#engine summary")
+        self.browser.frames(3)
         self.assertGreaterEqual(self.value("lanes"), 1)
         self.assertGreater(self.browser.run(COLOURS, "lanes"), 5)
         self.assertGreater(self.browser.run(COLOURS, "timeline"), 5)
@@ -223,11 +299,11 @@ class Opened(InBrowser):
     def test_keys__do_what_the_help_says(self):
         self.browser.run("document.activeElement.blur()")
         self.browser.press(HOME)
-        self.assertEqual(self.value("index"), 0)
-        self.browser.press(RIGHT, RIGHT)
-        self.assertEqual(self.value("index"), 2)
+        self.browser.wait("return pccd.state.values.index === 0")
+        self.browser.press(RIGHT)
+        self.browser.wait("return pccd.state.values.index === 1")
         self.browser.press("1")
-        self.assertEqual(self.value("kinds"), [False, True, True, True])
+        self.assertEqual(self.value("kinds"), [False, True, True, True, True])
         self.browser.press(SPACE)
         self.assertTrue(self.value("playing"))
         self.browser.press(SPACE)
@@ -267,12 +343,225 @@ class Opened(InBrowser):
         self.assertTrue(all("Content Security Policy" in line
                             for line in self.browser.said()))
 
+    # If it failed, one would see figures and not what they mean.
+    def test_sentence__says_what_is_seen_and_goes_through_it(self):
+        self.set("step", 1)
+        said, times = self.scene.steps[1], self.scene.times(2)
+        self.assertEqual(self.text("sentence").replace("\u202f", "").replace("\xa0", " "),
+                         f"Step 2 of {FRAMES - 1}: {said['contacts']} contacts, "
+                         f"the first at t = {times[0]:.4g}")
+        for button, place in (("first", 0), ("next", 1), ("next", 2), ("previous", 1)):
+            self.browser.click(f"#go-{button}")
+            self.assertEqual(self.value("chosen"), self.value("picked")[place])
+            self.assertEqual(self.text("place").split(" of ")[0], str(place + 1))
+        self.assertEqual(self.facts("detail-facts")["time"], f"t = {times[1]:.4g}")
+
+    # If it failed, nobody could find the contacts of a vertex, a face or an edge.
+    def test_find__takes_features_edges_by_their_vertices_and_times(self):
+        number = self.value("index") + 1
+        rows = [row for row in self.scene.contacts if int(row["step"]) == number]
+        vf = [row for row in rows if row["kind"] == "vf"]
+        ee = [row for row in rows if row["kind"] == "ee"]
+        ends = [[{row[a], row[b]} for row in ee] for a, b in (("i0", "i1"), ("i2", "i3"))]
+        a, b = ee[0]["i0"], ee[0]["i1"]
+        vertex = vf[0]["i0"]
+        wanted = {
+            f"vertex {vertex}": sum(row["i0"] == vertex for row in vf),
+            f"edge {b} {a}": sum({a, b} in pair for pair in zip(*ends, strict=True)),
+            f"e {a}-{b} t<0.5": sum({a, b} in pair and float(row["toi"]) < 0.5
+                                    for row, *pair in zip(ee, *ends, strict=True)),
+            a: sum(a in (row["i0"], row["i1"], row["i2"], row["i3"]) for row in rows),
+            "face": len(vf), "vertex 99999": 0, "nonsense": 0, "": len(rows)}
+        self.assertGreater(len(vf) * len(ee), 0)
+        for text, many in wanted.items():
+            with self.subTest(text=text):
+                self.set("find", text)
+                self.assertEqual(len(self.value("picked")), many)
+
+    # If it failed, a contact could not be found again in the files, or sent to somebody.
+    def test_detail__has_place_normal_and_text_to_copy(self):
+        number = self.value("index") + 1
+        self.browser.run("Object.defineProperty(navigator.clipboard, 'writeText', "
+                         "{value: async (text) => { window.copied = text; }})")
+        self.browser.run("pccd.state.set({chosen: 0})")
+        facts = self.facts("detail-facts")
+        row = next(row for row in self.scene.contacts if int(row["step"]) == number)
+        self.assertEqual(facts["first"], f"vertex {row['i0']}")
+        for name, of in (("place", "a"), ("normal", "n")):
+            given = [float(x) for x in facts[name].strip("()").split(",")]
+            true = [float(row[of + axis]) for axis in "xyz"]
+            self.assertLess(math.dist(given, true), 0.01)
+        self.browser.click("#copy")
+        self.browser.wait("return window.copied")
+        copied = self.browser.run("return window.copied")
+        for part in (f"step {number}: vertex {row['i0']} meets face", facts["place"],
+                     facts["normal"], facts["time"]):
+            self.assertIn(part, copied)
+        self.assertEqual(self.text("copied"), "copied")
+
+    # If it failed, who is sent an address would see something else.
+    def test_address__brings_back_what_was_looked_at(self):
+        self.set("step", 3)
+        self.set("find", "edge")
+        self.set("up", "x")
+        self.browser.click("#go-first")
+        self.browser.wait("return location.hash.includes('record=')")
+        self.browser.frames()
+        names = ("index", "chosen", "find", "up", "t")
+        values = [self.value(name) for name in names]
+        behind = self.browser.run("return location.hash")
+        self.open(behind=behind)
+        again = [self.value(name) for name in names]
+        self.assertEqual(again[:-1], values[:-1])
+        self.assertLess(abs(again[-1] - values[-1]), 1e-6)
+        self.assertTrue(self.is_seen("detail"))
+        self.open(behind="#step=x&record=-3&t=7&up=q&order=q&pair=9,9")
+        self.assertEqual((self.value("chosen"), self.value("pair")), (-1, ""))
+
+    # If it failed, text over the view, or small and grey text, could not be read; or
+    # early contacts not be seen in the dark.
+    def test_contrast__is_enough_in_the_dark_and_in_the_light(self):
+        self.browser.run("pccd.state.set({chosen: 0})")
+        self.addCleanup(self.browser.dress, "dark")
+        texts = ("#caption", "#scale-text", "#fit", "#sentence", "#place", "#find",
+                 "#go-next", "#detail dt", "#detail dd", "#kind-vf", "#picked",
+                 ".row.head .number", "#contact-rows .row .number", ".fact span",
+                 "#engine summary", ".chip", "#step-slide span")
+        for theme in ("dark", "light"):
+            self.browser.dress(theme)
+            self.browser.frames(3)
+            for text in texts:
+                with self.subTest(theme=theme, text=text):
+                    pixels = self.pixels(text)
+                    plate = max(pixels, key=lambda pixel: pixel[1])[0]
+                    text_pixels = [colour for colour, many in pixels if many > 1]
+                    self.assertGreaterEqual(
+                        max(contrast(plate, colour) for colour in text_pixels), 4.5)
+            view = self.browser.run("return getComputedStyle("
+                                    "document.querySelector('.stage')).backgroundColor")
+            behind = [int(part) for part in view[4:-1].split(",")]
+            scale = [colour for colour, _ in self.pixels("#scale")]
+            self.assertGreater(len(scale), 60)
+            self.assertGreaterEqual(min(contrast(colour, behind) for colour in scale), 3)
+
+    # If it failed, who has no mouse could not reach a part, or see where he is.
+    def test_tab__reaches_everything(self):
+        self.browser.run("pccd.state.set({chosen: 0}); document.activeElement.blur()")
+        reached = []
+        while "engine" not in reached and len(reached) < 60:
+            self.browser.press(TAB)
+            reached.append(self.browser.run("""
+                const one = document.activeElement;
+                return one.id || one.parentElement.id;"""))
+        for name in ("fit", "view", "up", "go-next", "closer", "copy", "kind-vf", "find",
+                     "order", "contacts", "previous", "play", "step", "time", "engine"):
+            self.assertIn(name, reached)
+        self.browser.press(ENTER)
+        self.assertTrue(self.browser.run("return document.getElementById('engine').open"))
+        self.browser.run("document.activeElement.blur()")
+        self.browser.press("/", "e", "d", "g", "e", ENTER)
+        self.assertEqual(self.value("find"), "edge")
+        self.assertEqual(self.value("chosen"), self.value("picked")[0])
+        self.browser.press(DOWN, ENTER)
+        self.assertEqual(self.value("chosen"), self.value("picked")[1])
+        self.browser.press(ESCAPE)
+        self.assertEqual(self.value("chosen"), -1)
+
+    @unittest.skipUnless(AXE.is_file(), "no axe-core in $NODE_MODULES")
+    # If it failed, a screen reader would have nothing to say of a part of the page.
+    def test_page__has_no_findings_of_axe(self):
+        self.addCleanup(self.browser.dress, "dark")
+        for theme in ("dark", "light"):
+            self.browser.dress(theme)
+            self.browser.run("pccd.state.set({chosen: 0});"
+                             "document.getElementById('engine').open = true;")
+            self.browser.frames(3)
+            self.browser.run(AXE.read_text())
+            found = self.browser.run_async("""
+                const done = arguments[arguments.length - 1];
+                axe.run().then(({violations, passes}) => done([passes.length,
+                  ...violations.map(({id, nodes}) => `${id}: ${nodes[0].html}`)]));""")
+            self.assertGreater(found[0], 20)
+            self.assertEqual(found[1:], [])
+
+    # If it failed, a large page would say that nothing meets until it has been read.
+    def test_page__says_nothing_of_contacts_while_it_loads(self):
+        part = os.path.join(All.folder, "part.html")
+        with open(self.page, encoding="utf-8") as page, \
+                open(part, "w", encoding="utf-8") as to:
+            to.write(page.read().split('<script type="application/octet-stream"')[0])
+        self.browser.open(part)
+        seen = self.browser.run("return document.body.innerText")
+        self.assertIn("Loading", seen)
+        self.assertFalse(any(digit.isdigit() for digit in seen), seen)
+
     # If it failed, nobody could be shown what the page looks like.
     def test_picture__can_be_taken(self):
-        folder = os.environ.get("PCCD_PICTURES", self.made.name)
+        folder = os.environ.get("PCCD_PICTURES", All.folder)
         path = os.path.join(folder, "inspect.png")
         self.browser.picture(path)
         self.assertGreater(os.path.getsize(path), 20000)
+
+
+IN_SIGHT = "return pccd.view.partInSight(pccd.data.step(pccd.state.values.index))"
+
+
+class Objects(InBrowser):
+    """A sheet that comes down on two triangles, in one step."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.objects = ObjectsScene(All.folder)
+
+    # If it failed, objects would have numbers where the user gave them names.
+    def test_objects__have_names_and_colours_and_can_be_asked_for(self):
+        self.open(self.objects.page)
+        self.assertIn("between 2 pairs of objects", self.text("sentence"))
+        both = self.objects.pairs
+        for at, (pair, many) in enumerate(sorted(both.items()), 1):
+            self.set("pair", f"0,{at}")
+            self.assertEqual(len(self.value("picked")), many)
+            self.assertIn(" and ".join(pair), self.text("pair"))
+        self.set("pair", "")
+        self.set("find", "green")  # the third of colours.js
+        self.assertEqual(len(self.value("picked")), both["sheet", "post"])
+        self.set("find", "peg vertex")
+        self.assertEqual(len(self.value("picked")), both["sheet", "peg"])
+        self.browser.click("#go-first")
+        self.assertIn(" of peg", self.facts("detail-facts")["first"])
+        self.assertEqual(self.browser.said(), [])
+
+    # If it failed, half of the page would be of no use for two frames.
+    def test_one_step__has_no_part_that_does_nothing(self):
+        self.open(self.objects.page)
+        for name in ("previous", "next", "step-slide", "timeline", "kind-ve", "kind-vv",
+                     "kind-ef", "thick", "range-clear", "detail"):
+            self.assertFalse(self.is_seen(name), name)
+        for name in ("play", "time", "find", "pair", "goes"):
+            self.assertTrue(self.is_seen(name), name)
+
+    # If it failed, what falls would lie on its side.
+    def test_up__is_what_falls_or_what_was_asked_for(self):
+        self.open(self.objects.page)
+        self.assertEqual(self.value("up"), "z")
+        self.set("up", "x")
+        self.browser.frames()
+        self.assertEqual(self.value("up"), "x")
+
+    # If it failed, pairs that were asked for would be counted and not be listed.
+    def test_pairs__are_listed(self):
+        pccdctl("record", "-o", "pairs.rec", "--", os.environ["PCCDCTL"], "check",
+                "--mode", "pairs", "--repeat", "0", self.objects.files, folder=All.folder)
+        pccdctl("inspect", "pairs.rec", "-o", "pairs.html", folder=All.folder)
+        self.open(os.path.join(All.folder, "pairs.html"))
+        self.assertIn("pairs of features that may meet", self.text("sentence"))
+        self.assertEqual(len(self.value("picked")), number(self.text("total")))
+        self.assertGreater(number(self.text("total")), 0)
+        self.assertNotIn("t = ", self.text("detail-facts") + self.text("sentence"))
+        self.browser.click("#go-first")
+        self.assertNotIn("time", self.facts("detail-facts"))
+        self.assertEqual(self.browser.said(), [])
 
 
 # What reaches beyond the sides of the page, or lies over its neighbour below.
@@ -284,7 +573,8 @@ BEYOND = """
         && !one.closest("h1, .list, .lane-room");
     }).map((one) => `${one.tagName} ${one.id} ${one.className}`);"""
 OVERLAPS = """
-    const parts = [...document.querySelector("aside").children];
+    const parts = [...document.querySelector("aside").children]
+      .filter((part) => part.checkVisibility());
     const bottom = (part) => Math.max(0,
       ...[...part.querySelectorAll(".bar, .list, table, .facts")]
         .map((child) => child.getBoundingClientRect().bottom));
@@ -302,10 +592,12 @@ class Phone(InBrowser):
     # If it failed, the page would be shrunk on a phone until its sides fit, with buttons
     # that no finger hits, or what is under the view could not be reached.
     def test_page__fits_a_phone(self):
+        browser = self.browser
+        self.addCleanup(browser.resize_back)
         for wide, high in ((400, 800), (320, 568), (600, 400)):
-            with self.subTest(wide=wide), Browser(self.made.name) as browser:
+            with self.subTest(wide=wide):
                 browser.resize(wide, high)
-                self.open(browser)
+                self.open()
                 self.assertEqual(
                     browser.run("return document.documentElement.scrollWidth"), wide)
                 for script in (BEYOND, OVERLAPS, SMALL):
@@ -314,7 +606,7 @@ class Phone(InBrowser):
                     "return document.querySelector('.stage').clientHeight")
                 self.assertTrue(high / 3 < stage < 0.7 * high, stage)
                 # The sliders stay in sight, and the view goes out of it.
-                browser.run("document.getElementById('lanes').scrollIntoView()")
+                browser.run("document.getElementById('engine').scrollIntoView()")
                 step = browser.run("return document.getElementById('step')"
                                    ".getBoundingClientRect().bottom")
                 self.assertTrue(0 < step <= high, step)
@@ -322,14 +614,36 @@ class Phone(InBrowser):
                 if folder:
                     browser.run("scrollTo(0, 0)")
                     browser.picture(os.path.join(folder, f"inspect-{wide}.png"))
-                browser.run(SET, "step", "0")
-                browser.frames()
-                self.assertEqual(browser.run("return pccd.state.values.index"), 0)
+                self.set("step", 0)
                 self.assertEqual(browser.said(), [])
+
+    # If it failed, a tap on a contact would show nothing, or something out of sight.
+    def test_tap__shows_the_contact_where_it_was_tapped(self):
+        self.addCleanup(self.browser.resize_back)
+        self.browser.resize(400, 800)
+        self.open()
+        self.browser.frames(10)
+        x, y = self.browser.run("""
+            const {index, picked, t} = pccd.state.values;
+            const [x, y] = pccd.view.placeOf(pccd.data.step(index), picked[0], t);
+            const {left, top} = document.getElementById('view').getBoundingClientRect();
+            return [left + x + 12, top + y + 12];""")
+        self.browser.tap(x, y)
+        self.browser.wait("return pccd.state.values.chosen >= 0")
+        self.browser.frames()
+        self.assertIn("place", self.facts("detail-facts"))
+        box = self.browser.run("""
+            const detail = document.getElementById('detail').getBoundingClientRect();
+            return [detail.top, detail.bottom];""")
+        self.assertTrue(0 <= box[0] < box[1] <= 800, box)
+        self.picture("tapped")
+        self.browser.run("pccd.state.set({playing: false})")
+        self.browser.click("#detail-close")
+        self.assertFalse(self.is_seen("detail"))
 
 
 LINES = """
-    const {lines} = pccd.data.step(0);
+    const {contacts: lines} = pccd.data.step(0);
     const {origin} = pccd.data.meta;
     return [Array.from(lines.ends, (x, i) => x + origin[i % 3]),
       ...lines.distance, ...lines.kind];"""
@@ -337,17 +651,19 @@ FLOOR = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 NEEDLE = "v .25 .25 {}\nv .25 .25 3\nv .375 .5 3\nf 1 2 3\n"
 
 
-@unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
-class Near(unittest.TestCase):
+class Near(InBrowser):
     """Questions about what is near, of which a program asked nothing else."""
 
     # If it failed, what a solver asks before each iteration could not be looked at.
     def test_lines__are_between_nearest_points_or_edges_that_cross(self):
-        cases = (("nearest", 0.5, [.25, .25, .5, .25, .25, 0], 0.5, 0),
-                 ("crossings", -1, [.25, .25, -1, .25, .25, 3], 0, 4))
-        for what, height, ends, distance, kind in cases:
-            with self.subTest(what=what), tempfile.TemporaryDirectory() as folder, \
-                    Browser(folder) as browser:
+        cases = (("nearest", 0.5, [.25, .25, .5, .25, .25, 0], 0.5, 0,
+                  "1 nearest pair of features between object 0 and object 1; "
+                  "the least distance is 0.5", "vertex 0 of object 0"),
+                 ("crossings", -1, [.25, .25, -1, .25, .25, 3], 0, 4,
+                  "2 edges that pass through faces between object 0 and object 1",
+                  "edge 0-1 of object 0"))
+        for what, height, ends, distance, kind, sentence, first in cases:
+            with self.subTest(what=what), tempfile.TemporaryDirectory() as folder:
                 for name, text in (("floor", FLOOR), ("needle", NEEDLE.format(height))):
                     with open(os.path.join(folder, f"{name}.obj"), "w") as file:
                         file.write(text)
@@ -355,23 +671,25 @@ class Near(unittest.TestCase):
                         "--what", what, "--repeat", "0", "needle.obj", "floor.obj",
                         folder=folder)
                 pccdctl("inspect", "near.rec", "-o", "near.html", folder=folder)
-                browser.open(os.path.join(folder, "near.html"))
-                browser.wait(READY)
-                browser.frames()
-                found = browser.run(LINES)
-                lines = browser.run("return pccd.state.values.lines")
+                self.open(os.path.join(folder, "near.html"))
+                found = self.browser.run(LINES)
+                lines = self.value("lines")
                 self.assertEqual(lines, 1 if kind == 0 else len(found[0]) // 6)
                 self.assertGreaterEqual(lines, 1)
                 self.assertEqual(found[0][:6], ends)
                 self.assertEqual((found[1], found[-1]), (distance, kind))
-                self.assertIn(what, browser.run(TEXT, "caption"))
-                self.assertIn("answers as recorded", browser.run(TEXT, "chips"))
-                self.assertEqual(browser.run(TEXT, "total-what"), f"near: {what}")
-                self.assertGreater(browser.run(COLOURS, "view"), 20)
-                if "PCCD_PICTURES" in os.environ:
-                    browser.picture(os.path.join(os.environ["PCCD_PICTURES"],
-                                                 f"inspect-{what}.png"))
-                self.assertEqual(browser.said(), [])
+                self.assertIn("answers as recorded", self.text("chips"))
+                self.assertIn(sentence, self.text("sentence"))
+                # Crossings are told where they were asked for, and only there.
+                self.assertEqual("crossings" in self.facts("facts"), what == "crossings")
+                self.assertFalse(self.is_seen("transport"))
+                self.browser.click("#go-first")
+                self.assertEqual(self.facts("detail-facts")["first"], first)
+                self.assertGreater(self.browser.run(COLOURS, "view"), 20)
+                self.picture(f"inspect-{what}")
+                self.set("find", "face 99")
+                self.assertEqual(self.value("lines"), 0)
+                self.assertEqual(self.browser.said(), [])
 
 
 # The places of the contacts' sticks: from the second feature to the first.
@@ -403,35 +721,18 @@ CHANGED = """
     return sides;"""
 
 
-@unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
-class Thick(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.made = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.made.cleanup)
-        cls.browser = Browser(cls.made.name)
-        cls.addClassCleanup(cls.browser.close)
-
-    def open(self, *arguments):
-        scene = ThickScene(self.made.name, *arguments)
-        self.browser.open_blank()
-        self.browser.said()
-        self.browser.open(scene.page)
-        self.browser.wait(READY)
-        self.browser.frames()
+class Thick(InBrowser):
+    def show(self, *arguments):
+        scene = ThickScene(All.folder, *arguments)
+        self.open(scene.page)
         return scene.said
 
-    def set(self, values):
+    def change(self, values):
         """Of the page's state; how many pixels of the view have changed."""
         self.browser.run(CHANGED)
         self.browser.run(f"pccd.state.set({values})")
         self.browser.frames()
         return self.browser.run(CHANGED)
-
-    def picture(self, name):
-        folder = os.environ.get("PCCD_PICTURES")
-        if folder:
-            self.browser.picture(os.path.join(folder, f"inspect-{name}.png"))
 
     def tearDown(self):
         self.assertEqual(self.browser.said(), [])
@@ -439,27 +740,27 @@ class Thick(unittest.TestCase):
     # If it failed, rods and points would not be seen, or have another thickness than they
     # meet with; or triangles would have one unasked.
     def test_view__shows_rods_points_and_thickness(self):
-        self.open(1, "--separation", "0.25")
-        self.set("{kinds: []}")
+        self.show(1, "--separation", "0.25")
+        self.change("{kinds: []}")
         hide = "{hidden: new Set([pccd.data.step(0).objects[0].handle])}"
-        face, rods = self.set(hide)
+        face, rods = self.change(hide)
         self.assertGreater(face, 1000)
         self.assertGreater(rods, 1000)  # they are to the right of the face
-        self.set("{hidden: new Set()}")
-        around = self.set("{thick: true}")
+        self.change("{hidden: new Set()}")
+        around = self.change("{thick: true}")
         self.assertGreater(min(around), 100)
-        self.assertEqual(self.set("{thick: false}"), around)
+        self.assertEqual(self.change("{thick: false}"), around)
         # Without the separation rods are as thick as they are.
-        self.open(1)
-        self.set("{kinds: []}")
-        face, rods = self.set("{thick: true}")
+        self.show(1)
+        self.change("{kinds: []}")
+        face, rods = self.change("{thick: true}")
         self.assertGreater(face, 100)
         self.assertEqual(rods, 0)
-        self.assertGreater(self.set("{opacity: 0.28}")[1], 100)
+        self.assertGreater(self.change("{opacity: 0.28}")[1], 100)
 
     # If it failed, contacts of points would not be listed, or be drawn where nothing is.
     def test_contacts__of_all_kinds_are_listed_and_span_their_distance(self):
-        said = self.open(1)
+        said = self.show(1)
         for kind in ("vf", "ee", "ve", "vv"):
             self.assertTrue(self.browser.run(
                 f"return document.getElementById('kind-{kind}').checkVisibility()"))
@@ -476,27 +777,25 @@ class Thick(unittest.TestCase):
         self.browser.press("3")
         self.browser.run("document.querySelector('#contact-rows .row').click()")
         self.browser.frames(60)
-        self.assertIn("at the distance 0.5", self.browser.run(TEXT, "caption"))
-        self.set("{thick: true}")
-        self.picture("thick")
+        self.assertEqual(self.facts("detail-facts")["distance"], "0.5")
+        self.change("{thick: true}")
+        self.picture("inspect-thick")
 
     # If it failed, the buttons of all kinds would make a page wider than a phone.
     def test_page__fits_a_phone_with_all_kinds(self):
+        self.addCleanup(self.browser.resize_back)
         self.browser.resize(400, 800)
-        self.open(1)
+        self.show(1)
         for script in (BEYOND, OVERLAPS, SMALL):
             self.assertEqual(self.browser.run(script), [])
-        self.set("{thick: true}")
-        self.picture("thick-400")
-        self.browser.resize(1500, 950)
+        self.change("{thick: true}")
+        self.picture("inspect-thick-400")
 
     # If it failed, nobody would see how far a step is safe, and what begins too near.
     def test_answer__tells_the_safe_step_and_what_begins_inside(self):
-        said = self.open(0.4, "--approach", "0.5", "--separation", "0.125")
-        facts = self.browser.run("""
-            return Object.fromEntries([...document.querySelectorAll('.fact')].map((one) =>
-              [one.firstChild.textContent, one.lastChild.textContent]));""")
-        self.assertEqual(float(facts["safe step"]), round(said["safe_step"], 6))
+        said = self.show(0.4, "--approach", "0.5", "--separation", "0.125")
+        facts = self.facts("facts")
+        self.assertEqual(facts["safe step"], f"{said['safe_step']:.4g}")
         self.assertEqual((facts["separation"], facts["approach"]), ("0.125", "0.5"))
         self.assertEqual(int(facts["inside at 0"]), said["inside"])
         rows = self.browser.run(TEXT, "contact-rows")
@@ -509,9 +808,9 @@ class Thick(unittest.TestCase):
     # If it failed, a page without thickness would have a button that does nothing.
     def test_thick__is_offered_only_where_something_is(self):
         shown = "return document.getElementById('thick').checkVisibility()"
-        self.open(1)
+        self.show(1)
         self.assertTrue(self.browser.run(shown))
-        self.open(1, "--thickness", "0")
+        self.show(1, "--thickness", "0")
         self.assertFalse(self.browser.run(shown))
         self.browser.run("document.activeElement.blur()")
         self.browser.press("t")
@@ -521,8 +820,8 @@ class Thick(unittest.TestCase):
 class Lean(InBrowser):
     # If it failed, a browser without a graphics card would show nothing, and not say why.
     def test_page__says_that_there_is_no_webgl_and_shows_the_rest(self):
-        with Browser(self.made.name, dark=False, webgl=False) as browser:
-            self.open(browser)
+        with Browser(All.folder, dark=False, webgl=False) as browser:
+            self.open(browser=browser)
             self.assertIn("no WebGL", browser.run(TEXT, "failure"))
             busiest = max(said["contacts"] for said in self.scene.steps)
             self.assertEqual(number(browser.run(TEXT, "total")), busiest)

@@ -9,6 +9,7 @@ import array
 import base64
 import html.parser
 import json
+import zlib
 
 
 class _Elements(html.parser.HTMLParser):
@@ -46,7 +47,7 @@ class Page:
 
     def section(self, place, count):
         blob, offset = place
-        data = base64.b64decode(self._blobs[f"pccd-{blob:08}"])
+        data = zlib.decompress(base64.b64decode(self._blobs[f"pccd-{blob:08}"]))
         return data[offset:offset + count]
 
     def flags(self, step):

@@ -68,7 +68,7 @@ class Scene:
         self.folder = folder
         self.path = os.path.join(folder, NAME)
         said = pccdctl("record", "-o", NAME, "--", os.environ["PCCDCTL"], "check",
-                       "--json", "--contacts", "contacts.csv", *frames,
+                       "--json", "--contacts", "contacts.csv", "--geometry", *frames,
                        folder=folder).stdout
         self.steps = json.loads(said)["steps"]
         with open(os.path.join(folder, "contacts.csv"), newline="") as rows:
@@ -107,5 +107,33 @@ class ThickScene:
                        "--thickness", str(RADIUS), *options, "high.obj", "low.obj",
                        folder=folder).stdout
         self.said = json.loads(said)
-        pccdctl("inspect", "thick.rec", "-o", "thick.html", folder=folder)
+        pccdctl("inspect", "thick.rec", "-o", "thick.html", "--up", "y", folder=folder)
         self.page = os.path.join(folder, "thick.html")
+
+
+class ObjectsScene:
+    """A sheet that comes down through two triangles, by a scene file in `folder` that
+    names them; `pairs`: how many contacts check found between each two."""
+
+    def __init__(self, folder):
+        sheet = "v -2 -2 {0}\nv 2 -2 {0}\nv 0 2 {0}\n"
+        texts = {"sheet0": sheet.format(2), "sheet1": sheet.format(-2),
+                 "peg": "v 0 0 0\nv .5 .5 0\nv .2 .5 -1\n",
+                 "post": "v .1 -1 0\nv .5 -1 0\nv .2 -1 -1\n"}
+        for name, text in texts.items():
+            with open(os.path.join(folder, f"{name}.obj"), "w") as to:
+                to.write(f"{text}f 1 2 3\n")
+        self.files = "objects.json"
+        with open(os.path.join(folder, self.files), "w", encoding="utf-8") as to:
+            json.dump({"pccd_scene": 1, "objects": [
+                {"name": name, "files": f"{name}{files}.obj"}
+                for name, files in (("sheet", "%d"), ("peg", ""), ("post", ""))]}, to)
+        pccdctl("check", "--repeat", "0", "--contacts", "objects.csv", self.files,
+                folder=folder)
+        self.pairs = {}
+        with open(os.path.join(folder, "objects.csv"), newline="") as rows:
+            for row in csv.DictReader(rows):
+                pair = tuple(sorted((row["object_a"], row["object_b"]), reverse=True))
+                self.pairs[pair] = self.pairs.get(pair, 0) + 1
+        pccdctl("inspect", self.files, "-o", "objects.html", folder=folder)
+        self.page = os.path.join(folder, "objects.html")

@@ -51,8 +51,8 @@ static const struct option_row rows[] = {
     {"every", 0, "N", "Show one in N steps (default: each)", OPTION_U64,
      .at = AT(settings.every), .min = 1, .max = EVERY_MAX},
     {"max-size", 0, "MIB",
-     "Let the page have at most MIB mebibytes (default: 64). Steps that do not fit are "
-     "left out, and a line on standard error says so",
+     "Let the page have at most MIB mebibytes (default: 64). If not all steps fit, only "
+     "one in so many is shown that they do, and a line on standard error says so",
      OPTION_U64, .at = AT(settings.bytes_max), .min = 1, .max = SIZE_MAX_MIB,
      .unit = MIB},
     {"round", 0, NULL,
@@ -69,7 +69,9 @@ static const struct option_row rows[] = {
 
 const struct option_table ctl_table_inspect = {
     .rows = rows,
-    .parts = (const struct option_part[]){{&play_frames_table, AT(options)}, {0}},
+    .parts = (const struct option_part[]){{&play_frames_table, AT(options)},
+                                          {&play_up_table, AT(options)},
+                                          {0}},
     .arguments = "FILE\nFRAME [FRAME...]\nSCENE",
     .text = "Repeat the steps of a recording, or of the frames of a mesh, with a "
             "daemon, and write them as a page that any browser opens: the objects in "
@@ -78,19 +80,21 @@ const struct option_table ctl_table_inspect = {
     .more = "The page is one file, which asks for nothing over a network. Without "
             "--url and --socket a private daemon is started.",
     .examples = "  pccdctl inspect -o run.html run.rec\n"
-                "  pccdctl inspect -o run.html --every 10 --round seq%d.obj\n",
+                "  pccdctl inspect -o run.html --every 10 --round --up z seq%d.obj\n",
 };
 
 /* ---- the page ---------------------------------------------------------------------- */
 
+/* `wanted`: the --every that was asked for. */
 static void print_done(const struct command *command, const struct inspect *inspect,
-                       const struct play_summary *summary, uint64_t bytes)
+                       uint64_t wanted, uint64_t bytes)
 {
     if (command->options.is_json) {
         json_t *object = json_pack(
-            "{s:o, s:I, s:I, s:I, s:I, s:I, s:b}", "file", json_text(command->path),
+            "{s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "file", json_text(command->path),
             "steps", (json_int_t)inspect->kept, "first", (json_int_t)inspect->first,
-            "last", (json_int_t)inspect->last, "bytes", (json_int_t)bytes, "differ",
+            "last", (json_int_t)inspect->last, "every",
+            (json_int_t)command->settings.every, "bytes", (json_int_t)bytes, "differ",
             (json_int_t)inspect->differ, "full", inspect->is_full);
         (void)output_json(object, true, stdout);
     } else {
@@ -108,19 +112,12 @@ static void print_done(const struct command *command, const struct inspect *insp
     if (inspect->no_lanes[0] != '\0') {
         ctl_complain("without what threads did: %s", inspect->no_lanes);
     }
-    if (inspect->is_full) {
-        uint64_t end = command->options.play.last != 0 &&
-                               command->options.play.last < summary->last_step
-                           ? command->options.play.last
-                           : summary->last_step;
-        uint64_t wanted = end - inspect->first + 1;
-        uint64_t fitting = inspect->last - inspect->first + command->settings.every;
-        ctl_complain("the page was full after step %" PRIu64 " of %" PRIu64
-                     ": --every %" PRIu64
-                     " has room for all, --max-size for more, --steps "
-                     "A..B shows others",
-                     inspect->last, end,
-                     (wanted + fitting - 1) / fitting * command->settings.every);
+    if (command->settings.every > wanted) {
+        ctl_complain("the page has room for one step in %" PRIu64
+                     ": --max-size allows more, --steps A..B shows each of fewer",
+                     command->settings.every);
+    } else if (inspect->is_full) {
+        ctl_complain("the page was full after step %" PRIu64, inspect->last);
     }
 }
 
@@ -151,6 +148,40 @@ static int write_page(struct command *command, struct whole_file *file,
     return status;
 }
 
+/* Return one in how many steps has room, when those until inspect->last had. */
+static uint64_t every_with_room(const struct command *command,
+                                const struct inspect *inspect,
+                                const struct play_summary *summary)
+{
+    uint64_t every = command->settings.every;
+    uint64_t last = command->options.play.last;
+    uint64_t end = last != 0 && last < summary->last_step ? last : summary->last_step;
+    uint64_t all = end - inspect->first + 1;
+    uint64_t fitting = inspect->last - inspect->first + every;
+    return every * (all > fitting ? (all + fitting - 1) / fitting : 2);
+}
+
+/* Write the page of all steps, or of so few, evenly, that they have room: a page that
+ * ended early would hide what comes then. What is written straight away, is written once.
+ */
+static int write_all(struct command *command, struct whole_file *file,
+                     struct inspect *inspect, struct play_summary *summary,
+                     struct ctl_error *error)
+{
+    for (;;) {
+        int status = output_open(file, command->path, false, error);
+        if (status == PCCD_OK) {
+            status = write_page(command, file, inspect, summary, error);
+        }
+        if (status != PCCD_OK || !inspect->is_full || file->is_direct) {
+            return status;
+        }
+        command->settings.every = every_with_room(command, inspect, summary);
+        whole_file_discard(file);
+        inspect_deinit(inspect);
+    }
+}
+
 int ctl_cmd_inspect(int argc, char **argv)
 {
     struct command command = {.settings = {.every = 1,
@@ -173,11 +204,12 @@ int ctl_cmd_inspect(int argc, char **argv)
     if (status == PCCD_OK) {
         status = play_options_open(&command.options, &error);
     }
+    const uint64_t every = command.settings.every;
     if (status == PCCD_OK) {
-        status = output_open(&file, command.path, false, &error);
-    }
-    if (status == PCCD_OK) {
-        status = write_page(&command, &file, &inspect, &summary, &error);
+        command.settings.up = command.options.up;
+        command.settings.names = command.options.play.names;
+        command.settings.name_count = command.options.play.name_count;
+        status = write_all(&command, &file, &inspect, &summary, &error);
     }
     uint64_t page_bytes = file.bytes;
     if (status == PCCD_OK) {
@@ -185,7 +217,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     }
     if (status == PCCD_OK) {
         play_options_warn(&command.options.play, &summary);
-        print_done(&command, &inspect, &summary, page_bytes);
+        print_done(&command, &inspect, every, page_bytes);
     }
     whole_file_discard(&file);
     inspect_deinit(&inspect);

@@ -12,10 +12,14 @@
 #include "recorded_state.h"
 #include "report.h"
 
-#define FORMAT 2 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 3 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
+/* Things fall along an axis if they move so many times as far along it as along both
+ * others, and so much of that goes one way. */
+#define UP_TIMES 2.0
+#define UP_PART  0.25
 
 static int no_memory(struct ctl_error *error)
 {
@@ -43,21 +47,40 @@ int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
     return page_file_begin(page, to, path, template, bytes, error);
 }
 
+static json_t *names_of(const struct inspect_settings *settings)
+{
+    json_t *names = json_array();
+    for (uint32_t i = 0; i < settings->name_count && names != NULL; i++) {
+        if (json_array_append_new(names, json_text(settings->names[i])) != 0) {
+            json_decref(names);
+            return NULL;
+        }
+    }
+    return names;
+}
+
 int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
                  struct page_file *page, struct ctl_error *error)
 {
     *inspect = (struct inspect){.settings = *settings,
                                 .page = page,
                                 .steps = json_array(),
-                                .meshes = json_array()};
-    return inspect->steps != NULL && inspect->meshes != NULL ? PCCD_OK : no_memory(error);
+                                .meshes = json_array(),
+                                .names = names_of(settings)};
+    if (inspect->steps == NULL || inspect->meshes == NULL || inspect->names == NULL) {
+        return no_memory(error);
+    }
+    inspect->meta_bytes = page_file_json_bytes(inspect->names);
+    return PCCD_OK;
 }
 
 void inspect_deinit(struct inspect *inspect)
 {
     json_decref(inspect->steps);
     json_decref(inspect->meshes);
+    json_decref(inspect->names);
     bytes_deinit(&inspect->data);
+    bytes_deinit(&inspect->packed);
     free(inspect->boxes);
     free(inspect->places);
     free(inspect->known);
@@ -179,6 +202,39 @@ static void choose_origin(struct inspect *inspect, const struct registry_scene *
     inspect->has_origin = scene->object_count > 0;
 }
 
+/* Add how far the vertices of each object move, on average: what falls, goes down. */
+static void add_motion(struct inspect *inspect, const struct registry_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct registry_object *object = &scene->objects[i];
+        const uint32_t count = object->mesh->vertex_count;
+        for (uint32_t v = 0; v < count; v++) {
+            for (uint32_t k = 0; k < 3; k++) {
+                double way = (object->x1[v][k] - object->x0[v][k]) / count;
+                inspect->moved[k] += way;
+                inspect->way[k] += fabs(way);
+            }
+        }
+    }
+}
+
+/* The axis that is up: y, where the motion does not tell. */
+static char up_of(const struct inspect *inspect)
+{
+    const double *moved = inspect->moved;
+    if (inspect->settings.up != 0) {
+        return inspect->settings.up;
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        double others = fmax(fabs(moved[(k + 1) % 3]), fabs(moved[(k + 2) % 3]));
+        if (fabs(moved[k]) > UP_TIMES * others &&
+            fabs(moved[k]) > UP_PART * inspect->way[k]) {
+            return "xyz"[k];
+        }
+    }
+    return 'y';
+}
+
 static bool has_turning(const struct registry_scene *scene)
 {
     bool has = false;
@@ -217,9 +273,12 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
 static int keep(struct inspect *inspect, uint64_t number, json_t *step, json_t *meshes,
                 struct ctl_error *error)
 {
+    if (!bytes_pack(&inspect->data, &inspect->packed)) {
+        return no_memory(error);
+    }
     uint64_t meta = page_file_json_bytes(step) + 1 + page_file_json_bytes(meshes) + 1;
     uint64_t bytes = inspect->page->bytes + inspect->meta_bytes + META_REST + meta +
-                     page_file_blob_bytes(inspect->data.used);
+                     page_file_blob_bytes(inspect->packed.used);
     if (bytes > inspect->settings.bytes_max) {
         inspect->is_full = true;
         return inspect->kept > 0
@@ -230,7 +289,7 @@ static int keep(struct inspect *inspect, uint64_t number, json_t *step, json_t *
                                    number, (double)bytes / (1 << 20));
     }
     int status =
-        page_file_blob(inspect->page, inspect->data.at, inspect->data.used, error);
+        page_file_blob(inspect->page, inspect->packed.at, inspect->packed.used, error);
     if (status == PCCD_OK && (json_array_append(inspect->steps, step) != 0 ||
                               json_array_extend(inspect->meshes, meshes) != 0)) {
         status = no_memory(error);
@@ -300,6 +359,13 @@ static json_t *describe_near(struct inspect *inspect, const struct play_near *ne
     set(object, "contacts",
         json_pack("{s:o, s:i}", "at", inspect_section(inspect, 0), "count", 0), &ok);
     set(object, "lines", inspect_pack_lines(inspect, near), &ok);
+    set(object, "asked",
+        json_pack("{s:o, s:b}", "distance",
+                  near->asked->distance <= 1e18 ? json_real(near->asked->distance)
+                                                : json_null(),
+                  "crossings",
+                  near->tells_crossings || !common_near_has_distance(near->asked->what)),
+        &ok);
     set(object, "boxes", json_object(), &ok);
     set(object, "events", json_null(), &ok);
     if (!ok || inspect->data.is_short) {
@@ -337,6 +403,7 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     }
     const char *compared = compare_step(step);
     inspect->differ += strcmp(compared, "other") == 0;
+    add_motion(inspect, step->scene);
     if (!is_chosen(inspect, step->scene)) {
         return PCCD_OK;
     }
@@ -398,6 +465,8 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof inspect->no_lanes), &ok);
     set(meta, "origin", json_pack("[f, f, f]", origin[0], origin[1], origin[2]), &ok);
     set(meta, "unit", json_real(inspect->unit), &ok);
+    set(meta, "up", json_stringn((char[]){up_of(inspect)}, 1), &ok);
+    set(meta, "names", json_incref(inspect->names), &ok);
     set(meta, "meshes", json_incref(inspect->meshes), &ok);
     set(meta, "steps", json_incref(inspect->steps), &ok);
     int status = ok ? page_file_finish(inspect->page, meta, error) : no_memory(error);

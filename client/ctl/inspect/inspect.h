@@ -17,9 +17,7 @@
 
 /* ---- A growing array of bytes, divided into sections. */
 
-/* Sections begin at multiples of it: of 4, for the arrays of a script, and of 3, so that
- * a section can be taken out of base64 text without what is before it. */
-#define BYTES_ALIGN 12u
+#define BYTES_ALIGN 4u /* of the arrays of a script */
 
 struct bytes {
     uint8_t *at; /* ours */
@@ -31,6 +29,9 @@ struct bytes {
  * the next call, or NULL without memory. */
 void *bytes_section(struct bytes *bytes, size_t count, size_t *offset);
 void bytes_empty(struct bytes *bytes);
+/* Make `packed`, in the place of what it held, the bytes compressed as browsers unpack
+ * them: a stream of zlib. False without memory. */
+bool bytes_pack(const struct bytes *bytes, struct bytes *packed);
 void bytes_deinit(struct bytes *bytes);
 
 /* ---- Writes an HTML page with binary data inside. */
@@ -49,7 +50,8 @@ struct page_file {
 /* Write the template up to its mark. E_FORMAT: it has none; E_SYSTEM. */
 int page_file_begin(struct page_file *page, FILE *to, const char *path,
                     const char *template, size_t template_bytes, struct ctl_error *error);
-/* Write one more piece of data, as base64; the first is number 0. */
+/* Write one more piece of data, as base64 of what bytes_pack has packed; the first is
+ * number 0. */
 int page_file_blob(struct page_file *page, const void *bytes, size_t count,
                    struct ctl_error *error);
 /* Write the JSON text, and the rest of the template; the file is flushed, not closed. */
@@ -75,6 +77,9 @@ struct inspect_settings {
     uint64_t bytes_max; /* of the file */
     uint32_t boxes_max; /* of a level of a hierarchy that is shown; 0: none is */
     bool is_rounded;    /* positions in 16 bits each */
+    char up;            /* 'x', 'y', 'z'; 0: as recorded, or else guessed */
+    char *const *names; /* of the objects, in the order of their handles */
+    uint32_t name_count;
 };
 
 /* 24 bytes. */
@@ -88,11 +93,14 @@ struct inspect_contact {
 };
 #define INSPECT_KIND_SHIFT 6u
 
-/* 32 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
+/* 48 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
 struct inspect_line {
     float ends[2][3]; /* relative to the page's origin, in its unit */
     float distance;   /* d_lo */
     uint32_t kind;    /* enum pccd_kind, enum pccd_near_kind */
+    uint32_t feature_a, feature_b;
+    uint16_t object_a, object_b; /* as of a contact */
+    float along;                 /* of a crossing: where along its edge; 0 .. 1 */
 };
 
 /* 20 bytes. */
@@ -118,10 +126,10 @@ struct inspect_mesh {
 
 struct inspect {
     struct inspect_settings settings;
-    struct page_file *page; /* the caller's, begun */
-    json_t *steps, *meshes; /* ours: arrays */
-    uint64_t meta_bytes;    /* of both, in the file */
-    uint64_t first, last;   /* steps in the file; 0: none */
+    struct page_file *page;         /* the caller's, begun */
+    json_t *steps, *meshes, *names; /* ours: arrays */
+    uint64_t meta_bytes;            /* of these, in the file */
+    uint64_t first, last;           /* steps in the file; 0: none */
     uint64_t seen, kept;
     uint64_t left_out; /* steps of `seen` that --every leaves out */
     uint64_t differ;   /* answers other than the recorded ones */
@@ -130,7 +138,9 @@ struct inspect {
     bool has_origin;
     double origin[3]; /* the middle of the first step */
     double unit;      /* of lengths: 1, or the size of what is very small or large */
-    struct bytes data;
+    double moved[3];  /* the mean motion of each object's vertices, of all steps; .. */
+    double way[3];    /* .. the same without signs */
+    struct bytes data, packed;
     struct pccd_box *boxes; /* [boxes_max] of a level; NULL: not needed yet */
     struct inspect_place *places;
     uint32_t place_count;
@@ -153,7 +163,8 @@ enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
  * yet. Edges of the scene's meshes are known. */
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
                              enum inspect_moment moment, json_t *meshes);
-/* Return {"at", "count"} of the contacts. */
+/* Return {"at", "count"} of the contacts, or of the pairs of mode pairs, as contacts at
+ * t = 0. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
 /* Return {"at", "count"} of what is near. */
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near);

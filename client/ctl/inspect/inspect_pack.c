@@ -5,6 +5,7 @@
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+#include <zlib.h>
 
 #include "array.h"
 #include "inspect.h"
@@ -42,6 +43,20 @@ void bytes_empty(struct bytes *bytes)
     bytes->is_short = false;
 }
 
+bool bytes_pack(const struct bytes *bytes, struct bytes *packed)
+{
+    size_t offset = 0;
+    uLongf used = compressBound(bytes->used);
+    bytes_empty(packed);
+    Bytef *to = bytes_section(packed, used, &offset);
+    if (to == NULL ||
+        compress2(to, &used, bytes->at, bytes->used, Z_BEST_SPEED) != Z_OK) {
+        return false;
+    }
+    packed->used = used;
+    return true;
+}
+
 void bytes_deinit(struct bytes *bytes)
 {
     free(bytes->at);
@@ -52,7 +67,7 @@ void bytes_deinit(struct bytes *bytes)
 
 _Static_assert(sizeof(struct inspect_contact) == 24, "data.js reads 24 bytes");
 _Static_assert(PCCD_KIND_COUNT <= 1 << (8 - INSPECT_KIND_SHIFT), "a kind has its room");
-_Static_assert(sizeof(struct inspect_line) == 32, "data.js reads 32 bytes");
+_Static_assert(sizeof(struct inspect_line) == 48, "data.js reads 48 bytes");
 _Static_assert(sizeof(struct inspect_event) == 20, "data.js reads 20 bytes");
 
 json_t *inspect_section(const struct inspect *inspect, size_t offset)
@@ -321,36 +336,49 @@ static int8_t part_of(float value)
     return (int8_t)lrintf(fminf(fmaxf(value, -1), 1) * 127);
 }
 
+/* Pairs have no time, and no place on their features. */
+static struct pccd_contact contact_of(const struct play_step *step, uint64_t i)
+{
+    if (step->contacts != NULL) {
+        return step->contacts[i];
+    }
+    const struct pccd_pair *pair = &step->pairs[i];
+    return (struct pccd_contact){.kind = pair->kind,
+                                 .object_a = pair->object_a,
+                                 .feature_a = pair->feature_a,
+                                 .object_b = pair->object_b,
+                                 .feature_b = pair->feature_b};
+}
+
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step)
 {
-    uint64_t count =
-        step->contacts != NULL && step->scene != NULL ? step->found.count : 0;
+    bool has_records = step->contacts != NULL || step->pairs != NULL;
+    uint64_t count = has_records && step->scene != NULL ? step->found.count : 0;
     size_t offset = 0;
     uint16_t a = 0, b = 0;
     uint64_t packed = 0;
     struct inspect_contact *to =
         bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint64_t i = 0; to != NULL && i < count; i++) {
-        const struct pccd_contact *from = &step->contacts[i];
-        if (!find_object(step->scene, from->object_a, &a) ||
-            !find_object(step->scene, from->object_b, &b)) {
+        const struct pccd_contact from = contact_of(step, i);
+        if (!find_object(step->scene, from.object_a, &a) ||
+            !find_object(step->scene, from.object_b, &b)) {
             continue; /* a record that makes no sense: see snapshot.c */
         }
-        if (from->kind >= PCCD_KIND_COUNT) {
+        if (from.kind >= PCCD_KIND_COUNT) {
             continue; /* nor does this one */
         }
         to[packed++] = (struct inspect_contact){
-            .feature_a = from->feature_a,
-            .feature_b = from->feature_b,
+            .feature_a = from.feature_a,
+            .feature_b = from.feature_b,
             .object_a = a,
             .object_b = b,
-            .toi = (float)from->toi,
-            .param = {share_of(from->param[0]), share_of(from->param[1])},
-            .normal = {part_of(from->normal[0]), part_of(from->normal[1]),
-                       part_of(from->normal[2])},
-            .flags =
-                (uint8_t)((from->flags & (PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE)) |
-                          from->kind << INSPECT_KIND_SHIFT)};
+            .toi = (float)from.toi,
+            .param = {share_of(from.param[0]), share_of(from.param[1])},
+            .normal = {part_of(from.normal[0]), part_of(from.normal[1]),
+                       part_of(from.normal[2])},
+            .flags = (uint8_t)((from.flags & (PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE)) |
+                               from.kind << INSPECT_KIND_SHIFT)};
     }
     return to != NULL ? counted(inspect, offset, packed) : NULL;
 }
@@ -360,18 +388,27 @@ json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near
     uint64_t count = near->records != NULL ? near->found.count : 0;
     size_t offset = 0;
     uint64_t packed = 0;
+    uint16_t a = 0, b = 0;
     struct inspect_line *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint64_t i = 0; to != NULL && i < count; i++) {
+        const struct pccd_near *from = &near->records[i];
         double ends[2][3];
-        if (!recorded_near_line(near->scene, &near->records[i], near->asked->end, ends)) {
+        if (!find_object(near->scene, from->object_a, &a) ||
+            !find_object(near->scene, from->object_b, &b) ||
+            !recorded_near_line(near->scene, from, near->asked->end, ends)) {
             continue; /* a record that makes no sense: see snapshot.c */
         }
         for (uint32_t k = 0; k < 6; k++) {
             to[packed].ends[k / 3][k % 3] =
                 (float)((ends[k / 3][k % 3] - inspect->origin[k % 3]) / inspect->unit);
         }
-        to[packed].distance = (float)near->records[i].d_lo;
-        to[packed++].kind = near->records[i].kind;
+        to[packed].distance = (float)from->d_lo;
+        to[packed].kind = from->kind;
+        to[packed].feature_a = from->feature_a;
+        to[packed].feature_b = from->feature_b;
+        to[packed].object_a = a;
+        to[packed].object_b = b;
+        to[packed++].along = from->param[0];
     }
     return to != NULL ? counted(inspect, offset, packed) : NULL;
 }

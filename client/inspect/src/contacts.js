@@ -1,24 +1,14 @@
-// contacts.js - the list of contacts: by kind, by time, one of them chosen.
+// contacts.js - the list of a step's records: contacts by time, what is near by distance.
 
-import { colourOfTime, cssOf } from "./colours.js";
-import { FEATURES, INITIAL, INSIDE, KINDS } from "./data.js";
+import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js";
+import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
+import { pickContacts } from "./find.js";
+import { digits, featureText, flagText, measureOf, pairText, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
 const ROW = 24; // pixels, as in style.css
 const SPARE = 6; // rows beyond what is seen
-
-/** Places of the contacts that pass the filters, in the order that is asked for. */
-export function pickContacts(contacts, { kinds, range, order }) {
-  const picked = [];
-  for (let i = 0; i < contacts.count; i++) {
-    const toi = contacts.toi[i];
-    if (kinds[contacts.kind[i]] && toi >= range[0] && toi <= range[1]) {
-      picked.push(i);
-    }
-  }
-  return order === "toi" ? picked.sort((a, b) => contacts.toi[a] - contacts.toi[b] || a - b) : picked;
-}
 
 export function histogramOf(contacts, kinds) {
   const bins = Array.from({ length: BINS }, () => KINDS.map(() => 0));
@@ -28,23 +18,6 @@ export function histogramOf(contacts, kinds) {
     }
   }
   return bins;
-}
-
-/** "0.25", cut for a row. */
-const timeText = (toi) => toi.toFixed(4);
-
-export function featureText(step, i, side) {
-  const { contacts, objects } = step;
-  const object = side === "a" ? contacts.objectA[i] : contacts.objectB[i];
-  const feature = side === "a" ? contacts.featureA[i] : contacts.featureB[i];
-  const kind = FEATURES[KINDS[contacts.kind[i]].points[side === "a" ? 0 : 1]];
-  return objects.length > 1 ? `${kind} ${feature} · ${object}` : `${kind} ${feature}`;
-}
-
-/** How the features of a contact begin: {text, title}, or null where it is as ever. */
-export function flagText({ contacts }, i) {
-  return contacts.flags[i] & INITIAL ? { text: "at 0", title: "touching or within their distance at t = 0" }
-    : contacts.flags[i] & INSIDE ? { text: "in", title: "within their distance at t = 0, and approaching" } : null;
 }
 
 const sumOf = (bin) => bin.reduce((sum, of) => sum + of, 0);
@@ -86,8 +59,9 @@ function makeHistogram(data, state) {
     const at = timeAt(event);
     const bins = histogramOf(data.step(state.values.index).contacts, state.values.kinds);
     const bin = bins[Math.min(BINS - 1, Math.floor(at * BINS))];
-    showTip(event, `t = ${at.toFixed(3)}`, KINDS.flatMap(({ name }, kind) =>
-      (kind < 2 || bin[kind] > 0 ? [`${count(bin[kind])} ${name}`] : [])));
+    const step = data.step(state.values.index);
+    showTip(event, step.near ? `distance ${digits(at * step.contacts.greatest)}` : `t = ${digits(at)}`, KINDS.flatMap(({ name }, kind) =>
+      (bin[kind] > 0 ? [`${count(bin[kind])} ${name}`] : [])));
     if (from !== null && Math.abs(at - from) > 0.01) {
       state.set({ range: [Math.min(from, at), Math.max(from, at)] });
     }
@@ -108,22 +82,33 @@ function makeList(data, state, fly) {
   const list = byId("contacts");
   const rows = byId("contact-rows");
 
+  /** A feature, with the colour of its object before it. */
+  function feature(step, i, side) {
+    const dot = element("i", { className: "dot square" });
+    const { object } = sideOf(step, i, side);
+    dot.style.background = cssOf(colourOfObject(object));
+    dot.title = nameOfColour(object);
+    return element("span", { title: featureText(step, i, side) }, ...(step.objects.length > 1 ? [dot] : []),
+      featureText(step, i, side, " · "));
+  }
+
   function row(step, i, place) {
     const { contacts } = step;
     const { chosen } = state.values;
     const { name, id } = KINDS[contacts.kind[i]];
     const flag = flagText(step, i);
+    const measure = measureOf(step);
+    const value = measure ? digits(measure.of(i)) : "";
     const made = element("div", { className: "row", role: "option", id: `contact-${i}` },
       element("i", { className: "dot" }),
-      element("span", { className: "kind", title: flag?.title ?? "" }, `${id.toUpperCase()} ${flag?.text ?? ""}`),
-      element("span", {}, featureText(step, i, "a")),
-      element("span", {}, featureText(step, i, "b")),
-      element("span", { className: "number" }, timeText(contacts.toi[i])));
+      element("span", { className: "kind", title: flag?.title ?? name }, `${id.toUpperCase()} ${flag?.text ?? ""}`),
+      feature(step, i, "a"), feature(step, i, "b"),
+      element("span", { className: "number" }, value));
     made.firstChild.style.background = cssOf(colourOfTime(contacts.toi[i]));
     made.style.top = `${place * ROW}px`;
     made.setAttribute("aria-selected", String(i === chosen));
-    made.setAttribute("aria-label", `${name}, ${featureText(step, i, "a")}, `
-      + `${featureText(step, i, "b")}, time ${timeText(contacts.toi[i])}${flag ? `, ${flag.title}` : ""}`);
+    made.setAttribute("aria-setsize", String(state.values.picked.length));
+    made.setAttribute("aria-posinset", String(place + 1));
     made.addEventListener("click", () => {
       state.set({ chosen: i });
       fly(i);
@@ -134,6 +119,7 @@ function makeList(data, state, fly) {
   const draw = oncePerFrame(() => {
     const { index, picked, chosen } = state.values;
     const step = data.step(index);
+    byId("head-measure").textContent = measureOf(step)?.name ?? "";
     const first = Math.max(0, Math.floor(list.scrollTop / ROW) - SPARE);
     const end = Math.min(picked.length, Math.ceil((list.scrollTop + list.clientHeight) / ROW) + SPARE);
     rows.style.height = `${picked.length * ROW}px`;
@@ -157,51 +143,108 @@ function makeList(data, state, fly) {
       fly(state.values.chosen);
     }
   });
-  state.on(["picked", "chosen"], () => {
+  state.on(["picked", "chosen", "theme"], () => {
     reveal();
     draw();
   });
   new ResizeObserver(draw).observe(list);
 }
 
-/** Choose the next or previous contact of the list. */
+/** Choose the next or previous record of the list; `by` -Infinity: the first. */
 export function moveChoice(state, by) {
   const { picked, chosen } = state.values;
   if (picked.length > 0) {
     const place = picked.indexOf(chosen);
-    const next = place < 0 ? (by > 0 ? 0 : picked.length - 1) : place + by;
+    const next = place < 0 ? (by === -1 ? picked.length - 1 : 0) : place + by;
     state.set({ chosen: picked[Math.min(picked.length - 1, Math.max(0, next))] });
   }
 }
 
-export function makeContacts(data, state, fly) {
-  const buttons = KINDS.map(({ id }) => byId(`kind-${id}`));
-  buttons.forEach((button, kind) => {
-    button.hidden = kind > 1 && data.meta.steps.every(({ near, answer }) => near || answer[KINDS[kind].id] === 0);
-    button.addEventListener("click", () => {
-      const kinds = [...state.values.kinds];
-      kinds[kind] = !kinds[kind];
-      state.set({ kinds });
+/** First, previous, next; and which one of how many that is. */
+function makeGoing(state, fly) {
+  const goes = { "go-first": -Infinity, "go-previous": -1, "go-next": 1 };
+  for (const [id, by] of Object.entries(goes)) {
+    byId(id).addEventListener("click", () => {
+      moveChoice(state, by);
+      fly(state.values.chosen);
     });
+  }
+  state.on(["picked", "chosen"], ({ picked, chosen }) => {
+    const place = picked.indexOf(chosen);
+    byId("goes").hidden = picked.length === 0;
+    byId("go-first").disabled = place === 0;
+    byId("go-previous").disabled = place <= 0;
+    byId("go-next").disabled = place === picked.length - 1;
+    byId("place").textContent = place < 0 ? "" : `${count(place + 1)} of ${count(picked.length)}`;
   });
+}
+
+/** Buttons of the kinds that there are, the list of pairs of objects, and what was typed. */
+function makeFilters(data, state) {
+  const buttons = KINDS.map(({ id }) => byId(`kind-${id}`));
+  const select = byId("pair");
+  const find = byId("find");
+  buttons.forEach((button, kind) => button.addEventListener("click", () =>
+    state.set({ kinds: state.values.kinds.map((on, i) => (i === kind ? !on : on)) })));
   byId("order").addEventListener("change", (event) => state.set({ order: event.target.value }));
   byId("range-clear").addEventListener("click", () => state.set({ range: [0, 1] }));
-  state.on(["index", "kinds", "range", "order"], ({ index, ...filters }, changed) => {
+  select.addEventListener("change", () => state.set({ pair: select.value }));
+  find.addEventListener("input", () => state.set({ find: find.value }));
+  state.on(["index", "kinds"], ({ index, kinds }) => {
     const { contacts } = data.step(index);
-    const picked = pickContacts(contacts, filters);
-    const isKept = !changed.has("index") && picked.includes(filters.chosen);
-    state.set({ picked, chosen: isKept ? filters.chosen : -1 });
+    const counts = KINDS.map(() => 0);
+    contacts.kind.forEach((kind) => counts[kind]++);
     buttons.forEach((button, kind) => {
-      const of = contacts.kind.reduce((sum, its) => sum + (its === kind ? 1 : 0), 0);
-      button.querySelector("b").textContent = count(of);
-      button.setAttribute("aria-pressed", String(filters.kinds[kind]));
+      button.hidden = counts[kind] === 0 && data.meta.steps.every(({ answer }) => !answer[KINDS[kind].id]);
+      button.querySelector("b").textContent = count(counts[kind]);
+      button.setAttribute("aria-pressed", String(kinds[kind]));
     });
-    const isCut = filters.range[0] > 0 || filters.range[1] < 1;
-    byId("range-clear").hidden = !isCut;
-    byId("range-clear").textContent = `t ${filters.range.map((t) => t.toFixed(2)).join(" – ")}  ✕`;
-    byId("picked").textContent = picked.length === contacts.count
-      ? `${count(picked.length)} shown` : `${count(picked.length)} of ${count(contacts.count)} shown`;
   });
+  state.on(["index", "pair"], ({ index, pair }) => {
+    const step = data.step(index);
+    const pairs = pairsOf(step).map(({ a, b, count: many }) => ({ value: `${a},${b}`, text: `${pairText(step, a, b)}: ${count(many)}` }));
+    if (pair !== "" && pairs.every(({ value }) => value !== pair)) { // none in this step
+      const [a, b] = pair.split(",");
+      if (step.objects[a] && step.objects[b]) {
+        pairs.push({ value: pair, text: `${pairText(step, a, b)}: 0` });
+      } else {
+        state.set({ pair: "" });
+      }
+    }
+    select.replaceChildren(element("option", { value: "" }, "all pairs of objects"),
+      ...pairs.map(({ value, text }) => element("option", { value }, text)));
+    select.value = state.values.pair;
+    select.hidden = pairs.length < 2 && state.values.pair === "";
+  });
+  state.on(["find"], ({ find: text }) => {
+    if (find.value !== text) {
+      find.value = text;
+    }
+  });
+  state.on(["order"], ({ order }) => {
+    byId("order").value = order;
+  });
+}
+
+export function makeContacts(data, state, fly) {
+  makeFilters(data, state);
+  state.on(["index", "kinds", "range", "order", "pair", "find"], ({ index, ...filters }, changed) => {
+    const step = data.step(index);
+    const picked = pickContacts(step, filters);
+    const isKept = picked.includes(filters.chosen) && !(changed.has("index") && !changed.has("chosen"));
+    state.set({ picked, chosen: isKept ? filters.chosen : -1 });
+    const isCut = filters.range[0] > 0 || filters.range[1] < 1;
+    const greatest = step.near ? step.contacts.greatest : 1;
+    byId("range-clear").hidden = !isCut;
+    byId("range-clear").textContent = `${filters.range.map((t) => digits(t * greatest)).join(" – ")}  ✕`;
+    const measure = measureOf(step);
+    byId("histogram").hidden = measure === null;
+    byId("order-box").hidden = measure === null;
+    byId("order").options[0].textContent = measure?.name ?? "time";
+    const all = step.contacts.count;
+    byId("picked").textContent = picked.length === all ? `${count(all)} listed` : `${count(picked.length)} of ${count(all)} listed`;
+  });
+  makeGoing(state, fly);
   makeHistogram(data, state);
   makeList(data, state, fly);
 }

@@ -61,7 +61,7 @@ export function makeCounters(data, state) {
     const { svg, show } = course(values);
     const number = element("td", { className: "number" });
     const row = element("tr", { title: TEXTS[name] ?? "" },
-      element("th", { scope: "row" }, name.replaceAll("_", " ")), element("td", {}, svg), number);
+      element("th", { scope: "row" }, name.replaceAll("_", " ")), element("td", {}, ...(steps.length > 1 ? [svg] : [])), number);
     return { row, values, number, show };
   });
   byId("counters").replaceChildren(...rows.map(({ row }) => row));

@@ -1,53 +1,48 @@
 // data.js - what pccdctl inspect wrote into the page (client/ctl/inspect/inspect_data.h).
 //
-// Each blob is an element with base64 text. A section begins at a multiple of 12 bytes, so
-// that its part of the text can be decoded without the rest.
+// Each blob is an element with base64 text of what zlib has compressed, which a browser unpacks
+// in the background: `load` a step before `step` is asked for it.
 
 import { byId } from "./dom.js";
 
-const FORMAT = 2;
+const FORMAT = 3;
 const KIND_SHIFT = 6; // of a contact's kind, over its flags
 export const INITIAL = 2;
 export const INSIDE = 4;
 const CONTACT_BYTES = 24;
-const LINE_BYTES = 32;
+const LINE_BYTES = 48;
 const EVENT_BYTES = 20;
 const BOX_BYTES = 48;
 const STEPS_KEPT = 12; // decoded ones
+const BLOBS_KEPT = 24; // unpacked ones
 
-/** By enum pccd_kind: name, short name, and how many points each of the two features has. */
+/** By enum pccd_kind, and enum pccd_near_kind: name, short name, and how many points each of the
+ * two features has. */
 export const KINDS = [
   { name: "vertex-face", id: "vf", points: [1, 3] },
   { name: "edge-edge", id: "ee", points: [2, 2] },
   { name: "vertex-edge", id: "ve", points: [1, 2] },
   { name: "vertex-vertex", id: "vv", points: [1, 1] },
+  { name: "edge-face", id: "ef", points: [2, 3] },
 ];
+export const CROSSING = 4; // the kind of an edge that passes through a face
 export const FEATURES = ["", "vertex", "edge", "face"]; // by their points
 export const EVENT_KINDS = ["step", "refit", "task unit", "subtree", "pairs", "high-level node",
   "tests", "rebuild", "built in the background", "wait", "merge"];
 
-function decode(text) {
-  const binary = atob(text);
-  const bytes = new Uint8Array(binary.length);
-  for (let i = 0; i < binary.length; i++) {
-    bytes[i] = binary.charCodeAt(i);
-  }
-  return bytes;
-}
-
-/** `bytes` bytes of a section, aligned for any array of numbers. */
-function section([blob, offset], bytes) {
-  const text = byId(`pccd-${String(blob).padStart(8, "0")}`).firstChild?.data ?? "";
-  const begin = (offset / 3) * 4;
-  const decoded = decode(text.slice(begin, begin + Math.ceil(bytes / 3) * 4));
-  return decoded.buffer.slice(0, bytes);
+/** The bytes of a blob: base64 text of a zlib stream. */
+async function unpack(number) {
+  const binary = atob(byId(`pccd-${String(number).padStart(8, "0")}`).textContent);
+  const packed = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
 }
 
 /** A map that forgets what was not used for longest. */
 function makeCache(make, kept) {
   const items = new Map();
-  return (key, ...rest) => {
-    const item = items.has(key) ? items.get(key) : make(key, ...rest);
+  return (key) => {
+    const item = items.has(key) ? items.get(key) : make(key);
     items.delete(key);
     items.set(key, item);
     if (items.size > kept) {
@@ -87,7 +82,7 @@ function edgesOf(triangles, rods, vertexCount) {
   return edges.slice(0, 2 * count);
 }
 
-function readPositions(place, vertexCount, isRounded) {
+function readPositions(section, place, vertexCount, isRounded) {
   if (!isRounded) {
     return new Float32Array(section(place, 12 * vertexCount));
   }
@@ -98,7 +93,7 @@ function readPositions(place, vertexCount, isRounded) {
 }
 
 /** Columns, so that a hundred thousand contacts stay small. */
-function readContacts({ at, count }) {
+function readContacts(section, { at, count }) {
   const buffer = section(at, CONTACT_BYTES * count);
   const view = new DataView(buffer);
   const contacts = {
@@ -133,23 +128,33 @@ function readContacts({ at, count }) {
   return contacts;
 }
 
-/** Of a question about what is near: two ends each, and how far apart the features are. */
-function readLines({ at, count }) {
+/** Records of a question about what is near, as contacts whose time is their part of the greatest
+ * distance; `ends`: the nearest points, of a crossing the ends of its edge. */
+function readLines(section, { at, count }) {
   const buffer = section(at, LINE_BYTES * count);
   const floats = new Float32Array(buffer);
   const words = new Uint32Array(buffer);
-  const lines = {
-    count, ends: new Float32Array(6 * count), distance: new Float32Array(count), kind: new Uint8Array(count),
-  };
+  const of = (array, place, make) => make.from({ length: count }, (_, i) => array[12 * i + place]);
+  const distance = of(floats, 6, Float32Array);
+  const greatest = distance.reduce((most, length) => Math.max(most, length), 0);
+  const ends = new Float32Array(6 * count);
   for (let i = 0; i < count; i++) {
-    lines.ends.set(floats.subarray(8 * i, 8 * i + 6), 6 * i);
-    lines.distance[i] = floats[8 * i + 6];
-    lines.kind[i] = words[8 * i + 7];
+    ends.set(floats.subarray(12 * i, 12 * i + 6), 6 * i);
   }
-  return lines;
+  return {
+    count, ends, distance, greatest,
+    toi: distance.map((length) => (greatest > 0 ? length / greatest : 0)),
+    kind: of(words, 7, Uint8Array),
+    featureA: of(words, 8, Uint32Array),
+    featureB: of(words, 9, Uint32Array),
+    objectA: Uint16Array.from(of(words, 10, Uint32Array), (both) => both & 0xffff),
+    objectB: Uint16Array.from(of(words, 10, Uint32Array), (both) => both >>> 16),
+    u: of(floats, 11, Float32Array),
+    flags: new Uint8Array(count),
+  };
 }
 
-function readEvents({ at, count }) {
+function readEvents(section, { at, count }) {
   const words = new Uint32Array(section(at, EVENT_BYTES * count));
   return Array.from({ length: count }, (_, i) => ({
     begin: words[5 * i],
@@ -218,6 +223,34 @@ function placeContacts(contacts, objects, separation) {
   return { at0, at1, reach, share };
 }
 
+/** The same of records of what is near, when nothing moves: a crossing is where its edge passes. */
+function placeLines({ count, ends, kind, u }) {
+  const [at0, reach] = [0, 1].map(() => new Float64Array(3 * count));
+  const normal = new Float32Array(3 * count);
+  for (let i = 0; i < count; i++) {
+    const isCrossing = kind[i] === CROSSING;
+    const way = [0, 1, 2].map((k) => ends[6 * i + k] - ends[6 * i + 3 + k]);
+    const length = isCrossing ? 0 : Math.hypot(...way);
+    for (let k = 0; k < 3; k++) {
+      at0[3 * i + k] = isCrossing ? ends[6 * i + k] - u[i] * way[k] : ends[6 * i + 3 + k];
+      reach[3 * i + k] = isCrossing ? 0 : way[k];
+      normal[3 * i + k] = length > 0 ? way[k] / length : 0;
+    }
+  }
+  return { at0, at1: at0, reach, normal, share: new Float32Array(count) };
+}
+
+/** All places, as [blob, offset], that a step has data at. */
+function placesOf(step, meshes) {
+  const counted = (of) => (of ? [of.at] : []);
+  const ofMesh = ({ at, edges, points, radii }) => [at, edges.at, points.at, ...(radii ? [radii] : [])];
+  return [
+    ...step.objects.flatMap(({ x0, x1, mesh }) => [x0, x1, ...ofMesh(meshes[mesh])]),
+    ...counted(step.contacts), ...counted(step.lines), ...counted(step.events),
+    ...Object.values(step.boxes).flat().map(({ at }) => at),
+  ];
+}
+
 /** The whole page's data; throws an Error with a sentence for people. */
 export function readData() {
   const text = byId("pccd-meta")?.textContent;
@@ -228,7 +261,13 @@ export function readData() {
   if (meta.format !== FORMAT) {
     throw new Error(`This page cannot read data of format ${meta.format}.`);
   }
-  const mesh = makeCache((number) => {
+  if (!("DecompressionStream" in window)) {
+    throw new Error("This browser is too old to unpack the page: Chrome 80, Firefox 113 and Safari 16.4 can, and later ones.");
+  }
+  const blob = makeCache(unpack, BLOBS_KEPT);
+  const meshes = new Map();
+
+  function readMesh(section, number) {
     const { vertices, triangles, at, edges: rods, points, radii } = meta.meshes[number];
     const isSmall = vertices <= 65536;
     const buffer = section(at, triangles * 3 * (isSmall ? 2 : 4));
@@ -247,42 +286,57 @@ export function readData() {
         return edges;
       },
     };
-  }, Infinity);
-  const positions = makeCache(
-    (key, place, vertexCount) => readPositions(place, vertexCount, meta.is_rounded), 64);
-  const step = makeCache((index) => {
+  }
+
+  async function readStep(index) {
     const from = meta.steps[index];
-    const objects = from.objects.map((object) => {
-      const its = mesh(object.mesh);
+    const numbers = [...new Set(placesOf(from, meta.meshes).map(([number]) => number))];
+    const bytes = new Map(await Promise.all(numbers.map(async (number) => [number, await blob(number)])));
+    const section = ([number, offset], count) => bytes.get(number).slice(offset, offset + count);
+    const objects = from.objects.map((object, place) => {
+      if (!meshes.has(object.mesh)) {
+        meshes.set(object.mesh, readMesh(section, object.mesh));
+      }
+      const mesh = meshes.get(object.mesh);
+      const read = (at) => readPositions(section, at, mesh.vertexCount, meta.is_rounded);
       return {
         handle: object.handle,
+        name: meta.names[place] ?? `object ${place}`,
         radius: object.radius / meta.unit,
-        mesh: its,
-        x0: positions(object.x0.join(), object.x0, its.vertexCount),
-        x1: positions(object.x1.join(), object.x1, its.vertexCount),
+        mesh,
+        x0: read(object.x0),
+        x1: read(object.x1),
         key1: object.x1.join(),
         key0: object.x0.join(),
       };
     });
-    const contacts = readContacts(from.contacts);
-    const lines = from.lines ? readLines(from.lines) : null;
+    const contacts = from.lines ? readLines(section, from.lines) : readContacts(section, from.contacts);
     const separation = from.separation / meta.unit;
+    const places = from.lines ? placeLines(contacts) : placeContacts(contacts, objects, separation);
+    contacts.normal ??= places.normal;
     return {
-      ...from, separation, index, objects, contacts, lines, ...placeContacts(contacts, objects, separation),
+      ...from, separation, index, objects, contacts, ...places,
+      events: from.events === null ? [] : readEvents(section, from.events),
+      /** Boxes of a level as 12 floats each: low and high at t = 0, low and high at t = 1. */
+      boxesAt(tree, level) {
+        const { at, count } = from.boxes[tree][level];
+        return new Float32Array(section(at, BOX_BYTES * count));
+      },
     };
-  }, STEPS_KEPT);
+  }
+
+  const steps = new Map(); // that were loaded last, the oldest first
   return {
     meta,
-    step,
-    events: makeCache((index) => {
-      const { events } = meta.steps[index];
-      return events === null ? [] : readEvents(events);
-    }, STEPS_KEPT),
-    /** Boxes of a level as 12 floats each: low and high at t = 0, low and high at t = 1. */
-    boxes(index, tree, level) {
-      const levels = meta.steps[index].boxes?.[tree];
-      const { at, count } = levels[level];
-      return new Float32Array(section(at, BOX_BYTES * count));
+    /** Make a step ready to be asked for. */
+    async load(index) {
+      const step = steps.get(index) ?? await readStep(index);
+      steps.delete(index);
+      steps.set(index, step);
+      if (steps.size > STEPS_KEPT) {
+        steps.delete(steps.keys().next().value);
+      }
     },
+    step: (index) => steps.get(index),
   };
 }

@@ -2,11 +2,10 @@
 
 import { byId } from "./dom.js";
 import { moveChoice } from "./contacts.js";
-import { moveStep } from "./transport.js";
 
 const TIME_STEP = 0.05;
 
-/** `does`: what the keys call beside changing the state: fit, fly. */
+/** `does`: what the keys call beside changing the state: fit, fly, closer, copy, goTo. */
 export function makeKeys(data, state, does) {
   const help = byId("help");
   const move = (by) => state.set({ t: Math.min(1, Math.max(0, state.values.t + by)), playing: false });
@@ -18,18 +17,21 @@ export function makeKeys(data, state, does) {
   const kind = (which) => state.set({ kinds: state.values.kinds.map((on, i) => (i === which ? !on : on)) });
   const keys = {
     " ": () => state.set({ playing: !state.values.playing }),
-    ArrowLeft: (event) => (event.shiftKey ? move(-TIME_STEP) : moveStep(data, state, -1)),
-    ArrowRight: (event) => (event.shiftKey ? move(TIME_STEP) : moveStep(data, state, 1)),
-    Home: () => state.set({ index: 0 }),
-    End: () => state.set({ index: data.meta.steps.length - 1 }),
+    ArrowLeft: (event) => (event.shiftKey ? move(-TIME_STEP) : does.goTo(state.values.index - 1)),
+    ArrowRight: (event) => (event.shiftKey ? move(TIME_STEP) : does.goTo(state.values.index + 1)),
+    Home: () => does.goTo(0),
+    End: () => does.goTo(Infinity),
     ArrowUp: () => moveChoice(state, -1),
     ArrowDown: () => moveChoice(state, 1),
-    Enter: () => does.fly(state.values.chosen),
+    Enter: (event) => (event.shiftKey ? does.closer() : does.fly(state.values.chosen)),
     Escape: () => state.set({ chosen: -1 }),
     1: () => kind(0),
     2: () => kind(1),
     3: () => kind(2),
     4: () => kind(3),
+    5: () => kind(4),
+    c: does.copy,
+    "/": () => byId("find").focus(),
     "[": () => level(-1),
     "]": () => level(1),
     f: does.fit,
@@ -42,6 +44,14 @@ export function makeKeys(data, state, does) {
     const { target } = event;
     const isForm = target.matches("input, select, button, summary, a");
     const call = keys[event.key];
+    if (target.matches("input[type='search']")) { // which takes letters
+      if (event.key === "Enter" || event.key === "ArrowDown") {
+        event.preventDefault();
+        byId("contacts").focus();
+        moveChoice(state, -Infinity);
+      }
+      return;
+    }
     if (help.open || event.ctrlKey || event.metaKey || event.altKey || !call) {
       return;
     }

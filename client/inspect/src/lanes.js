@@ -152,7 +152,7 @@ export function makeLanes(data, state) {
 
   state.on(["index"], ({ index }) => {
     const { events } = data.meta.steps[index];
-    const read = data.events(index);
+    const read = data.step(index).events;
     lanes = layOut(read, events?.threads ?? 0);
     total = Math.max(1, events?.ns ?? 1);
     from = 0;

@@ -1,17 +1,20 @@
 // main.js - the page of `pccdctl inspect`: puts the parts together.
 
-import { featureText, flagText, makeContacts } from "./contacts.js";
+import { keepAddress, readAddress } from "./address.js";
+import { scaleGradient, setTheme } from "./colours.js";
+import { makeContacts } from "./contacts.js";
 import { makeCounters } from "./counters.js";
 import { KINDS, readData } from "./data.js";
 import { byId, oncePerFrame, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
-import { apartOf, between, featuresOf } from "./marks.js";
-import { makeAnswer, makeHead, makeHierarchy, makeObjectList } from "./panels.js";
+import { between, featuresOf } from "./marks.js";
+import { makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, recordText } from "./panels.js";
 import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
 import { makeTimeline } from "./timeline.js";
-import { makeTransport } from "./transport.js";
+import { makeGoTo, makeTransport } from "./transport.js";
+import { digits, measureOf } from "./words.js";
 
 const WIRES_MAX = 30000; // triangles up to which edges are drawn at first
 
@@ -41,6 +44,14 @@ function makeView(onMove) {
       + "Try another browser, or switch on its graphics acceleration.");
     byId("view").hidden = true;
     return null;
+  }
+}
+
+/** A ring around what is chosen, [x, y, depth] on the canvas; null: nothing is. */
+function movePin(place) {
+  byId("pin").hidden = place === null || place[2] >= 1;
+  if (place !== null) {
+    byId("pin").style.transform = `translate(${place[0]}px, ${place[1]}px)`;
   }
 }
 
@@ -74,8 +85,8 @@ function connectView(data, state, view) {
     }
     view.showObjects(step, values);
   });
-  state.on(["index", "theme"], ({ index }) => state.set({ lines: view.showLines(data.step(index)) }));
-  state.on(["picked", "thick"], ({ index, picked, thick }) =>
+  state.on(["picked", "theme"], ({ index, picked }) => state.set({ lines: view.showLines(data.step(index), picked) }));
+  state.on(["picked", "thick", "theme"], ({ index, picked, thick }) =>
     state.set({ sticks: view.showMarks(data.step(index), picked, thick) }));
   state.on(["chosen", "theme"], ({ index, chosen }) => {
     const step = data.step(index);
@@ -91,36 +102,32 @@ function connectView(data, state, view) {
     down = [event.clientX, event.clientY];
   });
   canvas.addEventListener("pointerup", (event) => {
-    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) {
+    const still = event.pointerType === "touch" ? 12 : 4; // pixels that a click may move
+    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < still) {
       const { index, picked, t } = state.values;
       const box = canvas.getBoundingClientRect();
-      state.set({ chosen: view.pick(data.step(index), picked, t, event.clientX - box.left, event.clientY - box.top) });
+      state.set({ chosen: view.pick(data.step(index), picked, t, event.clientX - box.left, event.clientY - box.top, event.pointerType) });
     }
     down = null;
   });
 }
 
-/** "vertex 3 meets face 4 at t = 0.500000, at the distance 0.02" */
-function meetingText(step, i, unit) {
-  const apart = apartOf(step, i) * unit;
-  const flag = flagText(step, i);
-  return `${featureText(step, i, "a")} meets ${featureText(step, i, "b")} at t = ${step.contacts.toi[i].toFixed(6)}`
-    + (apart > 0 ? `, at the distance ${Number(apart.toPrecision(4))}` : "") + (flag ? ` (${flag.title})` : "");
-}
-
-/** What is chosen, in words, over the view. */
+/** What is seen, under the view: which moment, and what the colours mean. */
 function makeCaption(data, state) {
   const draw = oncePerFrame(() => {
-    const { index, chosen, t, picked } = state.values;
+    const { index, t, picked } = state.values;
     const step = data.step(index);
-    byId("caption").textContent = step.near
-      ? `question ${step.number}: ${step.near}, ${plural(step.lines.count, "line", "lines")}`
-      : chosen < 0 ? `step ${step.number}, t = ${t.toFixed(2)}` : meetingText(step, chosen, data.meta.unit);
-    byId("scale-text").textContent = step.near ? "share of the greatest distance" : "time of impact";
-    byId("view").setAttribute("aria-label", `Step ${step.number} at time ${t.toFixed(2)}: `
+    const measure = measureOf(step);
+    const greatest = step.near ? step.contacts.greatest : 1;
+    byId("caption").textContent = step.near ? `question ${step.number}` : `step ${step.number}, t = ${digits(t)}`;
+    byId("scale-box").hidden = measure === null || picked.length === 0;
+    byId("scale").style.background = scaleGradient();
+    byId("scale-text").textContent = step.near ? "distance" : "time of impact";
+    byId("scale-end").textContent = digits(greatest);
+    byId("view").setAttribute("aria-label", `Step ${step.number} at time ${digits(t)}: `
       + `${plural(step.objects.length, "object", "objects")}, ${plural(picked.length, "contact", "contacts")} shown`);
   });
-  state.on(["index", "chosen", "t", "picked"], draw);
+  state.on(["index", "t", "picked", "theme"], draw);
 }
 
 function makeToggles(state, does) {
@@ -133,35 +140,78 @@ function makeToggles(state, does) {
   toggle("thick", ({ thick }) => thick, ({ thick }) => ({ thick: !thick }));
   byId("fit").addEventListener("click", does.fit);
   byId("up").addEventListener("change", (event) => state.set({ up: event.target.value }));
+  state.on(["up"], ({ up }) => {
+    byId("up").value = up;
+  });
+  byId("engine").addEventListener("toggle", () => state.set({ engine: byId("engine").open }));
 }
 
 /** Whether anything in the page has a thickness. */
 const isThick = ({ steps, meshes }) => meshes.some(({ radii }) => radii)
   || steps.some(({ separation, objects }) => separation > 0 || objects.some(({ radius }) => radius > 0));
 
-function start() {
+/** Put a text where one pastes from; pages from a disk may not be allowed the short way. */
+async function copyText(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const field = document.createElement("textarea");
+    field.value = text;
+    document.body.append(field);
+    field.select();
+    document.execCommand("copy");
+    field.remove();
+  }
+}
+
+async function start() {
   const data = readData();
   const { steps } = data.meta;
   const busiest = steps.reduce((best, { answer }, i) => (answer.total > steps[best].answer.total ? i : best), 0);
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
-  const state = makeState({
-    index: busiest, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi",
+  const first = {
+    index: busiest, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi", find: "", pair: "",
     picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
-    wires: triangles <= WIRES_MAX, opacity: 1, up: "y", theme: "",
+    wires: triangles <= WIRES_MAX, opacity: 1, up: data.meta.up, engine: false, theme: "",
+  };
+  const said = readAddress(data);
+  await data.load(said.index ?? busiest);
+  const state = makeState({ ...first, index: said.index ?? busiest });
+  const goTo = makeGoTo(data, state);
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const dress = () => {
+    const theme = dark.matches ? "dark" : "light";
+    setTheme(theme);
+    state.set({ theme });
+  };
+  dark.addEventListener("change", dress);
+  dress();
+  const view = makeView((camera, pin) => {
+    drawAxes(camera);
+    movePin(pin);
   });
-  const view = makeView(drawAxes);
+  const flyTo = (i, isClose) => {
+    const { index } = state.values;
+    if (view && i >= 0) {
+      const step = data.step(index);
+      state.set({ t: step.near ? 1 : step.contacts.toi[i], playing: false });
+      view.flyToContact(step, i, step.contacts.toi[i], sizeOf(step, i, view.extentRadius()), isClose);
+    }
+  };
   const does = {
+    goTo,
     fit() {
       const { index, up, thick } = state.values;
       view?.setExtent(data.step(index), up, thick);
       view?.fit(up);
     },
-    fly(i) {
-      const { index } = state.values;
-      if (view && i >= 0) {
-        const step = data.step(index);
-        state.set({ t: step.contacts.toi[i], playing: false });
-        view.flyToContact(step, i, step.contacts.toi[i], sizeOf(step, i, view.extentRadius()));
+    fly: (i) => flyTo(i, false),
+    closer: () => flyTo(state.values.chosen, true),
+    async copy() {
+      const { index, chosen } = state.values;
+      if (chosen >= 0) {
+        await copyText(recordText(data.step(index), chosen, data.meta));
+        byId("copied").textContent = "copied";
       }
     },
   };
@@ -173,18 +223,27 @@ function start() {
   }
   makeHierarchy(data, state, view);
   makeAnswer(data, state);
+  makeDetail(data, state, does);
   makeObjectList(data, state);
   makeCounters(data, state);
-  makeTimeline(data, state);
+  makeTimeline(data, state, goTo);
   makeLanes(data, state);
-  makeTransport(data, state);
+  makeTransport(data, state, goTo);
   makeCaption(data, state);
   makeToggles(state, does);
   makeKeys(data, state, does);
-  const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  const dress = () => state.set({ theme: dark.matches ? "dark" : "light" });
-  dark.addEventListener("change", dress);
-  dress();
+  const follow = (values) => {
+    const { index, chosen = -1, ...rest } = values;
+    state.set(rest);
+    state.set({ chosen: state.values.picked.includes(chosen) ? chosen : -1 });
+  };
+  follow(said);
+  keepAddress(data, state, first);
+  window.addEventListener("hashchange", async () => {
+    const asked = readAddress(data);
+    await goTo(asked.index ?? state.values.index);
+    follow({ find: "", pair: "", order: "toi", t: 1, ...asked });
+  });
   // For consoles, and for the tests of the page.
   window.pccd = {
     data, state, view, fly: does.fly,
@@ -195,10 +254,8 @@ function start() {
   };
 }
 
-try {
-  start();
-  document.body.classList.add("ready");
-} catch (error) {
+start().then(() => document.body.classList.add("ready"), (error) => {
+  byId("sentence").textContent = "";
   fail(error.message);
   console.error(error);
-}
+});

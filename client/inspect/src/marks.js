@@ -6,7 +6,7 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
 import { colourOfTime } from "./colours.js";
-import { KINDS, verticesOf } from "./data.js";
+import { CROSSING, KINDS, verticesOf } from "./data.js";
 import { pointMaterial, stickMaterial, surfaceMaterial } from "./shaders.js";
 
 /** The corners of both features of contact `i`: [{object, vertices}, ...]. */
@@ -50,19 +50,18 @@ function wideLines(colour, width) {
   return lines;
 }
 
-const CROSSING = 4; // the kind of an edge that passes through a face
-
-/** All of a question's lines in one: by their shares of the greatest distance. */
-function nearLines({ count, ends, distance, kind }, crossingColour) {
-  const greatest = distance.reduce((most, length) => Math.max(most, length), 0);
-  const colours = new Float32Array(6 * count);
-  for (let i = 0; i < count; i++) {
-    const colour = kind[i] === CROSSING ? crossingColour
-      : colourOfTime(greatest > 0 ? distance[i] / greatest : 0);
-    colours.set([...colour, ...colour], 6 * i);
-  }
+/** Lines of the picked records of what is near, all in one: by their shares of the greatest
+ * distance. */
+function nearLines({ ends, toi, kind }, picked, crossingColour) {
+  const places = new Float32Array(6 * picked.length);
+  const colours = new Float32Array(6 * picked.length);
+  picked.forEach((i, place) => {
+    const colour = kind[i] === CROSSING ? crossingColour : colourOfTime(toi[i]);
+    places.set(ends.subarray(6 * i, 6 * i + 6), 6 * place);
+    colours.set([...colour, ...colour], 6 * place);
+  });
   const geometry = new LineSegmentsGeometry();
-  geometry.setPositions(ends);
+  geometry.setPositions(places);
   geometry.setColors(colours);
   const lines = new LineSegments2(geometry,
     new LineMaterial({ linewidth: 2.5, vertexColors: true, depthTest: false, transparent: true }));
@@ -160,7 +159,7 @@ export function makeMarks(group, uniforms) {
      * how many are at a distance, and so have a stick to their other feature. */
     show(step, picked, isThick) {
       const dots = columns(picked.length);
-      const apart = picked.filter((i) => apartOf(step, i) > 0);
+      const apart = step.near ? [] : picked.filter((i) => apartOf(step, i) > 0); // has lines
       const ends = columns(2 * apart.length);
       picked.forEach((i, place) => putMark(dots, place, step, i, isThick ? step.share[i] : 0));
       apart.forEach((i, place) => {
@@ -177,15 +176,15 @@ export function makeMarks(group, uniforms) {
       return apart.length;
     },
     /** Lines of a question about what is near; returns how many there are. */
-    showLines(step, crossingColour) {
+    showLines(step, picked, crossingColour) {
       if (near) {
         group.remove(near);
         near.geometry.dispose();
         near.material.dispose();
         near = null;
       }
-      if (step.lines?.count > 0) {
-        near = nearLines(step.lines, crossingColour);
+      if (step.near && picked.length > 0) {
+        near = nearLines(step.contacts, picked, crossingColour);
         group.add(near);
       }
       return near ? near.geometry.instanceCount : 0;

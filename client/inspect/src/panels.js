@@ -1,14 +1,15 @@
-// panels.js - the head of the page, the step's answer, the hierarchy and the objects.
+// panels.js - the head of the page, the step's answer, the chosen record, the hierarchy and the
+// objects.
 
 import { TREES } from "./boxes.js";
-import { PHASES, colourOfObject, cssOf, scaleGradient } from "./colours.js";
+import { PHASES, colourOfObject, cssOf, nameOfColour } from "./colours.js";
 import { KINDS } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
+import { apartOf, between } from "./marks.js";
 import { partsOf } from "./timeline.js";
+import { digits, featureText, flagText, measureOf, nounOf, sentenceOf, sideOf } from "./words.js";
 
-const INCOMPLETE = ["complete", "complete", "the deadline passed", "cancelled",
-  "more records than the daemon keeps"];
-const VERDICTS = ["no", "possible", "yes", "none"];
+const VERDICTS = ["no", "possible", "yes"];
 
 function chip(text, title, className = "") {
   return element("span", { className: `chip ${className}`, title }, text);
@@ -23,7 +24,8 @@ export function makeHead({ meta }) {
   byId("name").textContent = recording.name;
   const chips = [
     chip(`${count(steps.length)} of ${plural(recording.steps, "step", "steps")}`,
-      meta.is_full ? "The page was full: see --every, --steps and --max-size" : "in this page, and recorded",
+      meta.is_full ? "The page was full: see --every, --steps and --max-size"
+        : meta.every > 1 ? `One in ${meta.every}, as --every or --max-size ask` : "in this page, and recorded",
       meta.is_full ? "warn" : ""),
     chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), "recorded, UTC"),
     chip(`libpccd ${recording.library}`, "that recorded"),
@@ -40,52 +42,56 @@ export function makeHead({ meta }) {
     : compared > 0 ? chip("✓ answers as recorded", "every hash is the recorded one", "good")
       : chip("not compared", "the recording holds no answers to compare with", "warn"));
   byId("chips").replaceChildren(...chips);
-  byId("scale").style.background = scaleGradient();
 }
 
 function fact(name, value, title = "") {
   return element("div", { className: "fact", title }, element("span", {}, name), element("b", {}, value));
 }
 
-/** What else is known of an answer about what is near. */
-function nearFacts({ distance_min: least, distance_max: greatest, crossings, verdict }) {
+/** What else is known of an answer about what is near: crossings, if they were asked for. */
+function nearFacts({ answer, asked }) {
+  const { distance_min: least, distance_max: greatest, crossings, verdict } = answer;
   return [
-    fact("least distance", least === null ? "–" : least.toPrecision(6)),
-    fact("greatest", greatest.toPrecision(6), "distance; of depth: how deep one is in the other"),
-    fact("crossings", count(crossings), "edges that pass through faces"),
-    fact("intersects", VERDICTS[verdict] ?? "?"),
+    ...(least === null ? [] : [fact("least distance", digits(least)),
+      fact("greatest", digits(greatest), "distance; of depth: how deep one is in the other")]),
+    ...(asked.crossings ? [fact("crossings", count(crossings), "edges that pass through faces")] : []),
+    ...(VERDICTS[verdict] ? [fact("intersects", VERDICTS[verdict])] : []),
   ];
 }
 
 /** What there is to say where things have a thickness. */
 function thickFacts({ answer, separation, approach }) {
   return [
-    ...(separation > 0 ? [fact("separation", Number(separation.toPrecision(6)), "added to the radii of each two features")] : []),
-    ...(approach > 0 ? [fact("approach", approach, "the part of their first distance to which features may come that begin within it")] : []),
+    ...(separation > 0 ? [fact("separation", digits(separation), "added to the radii of each two features")] : []),
+    ...(approach > 0 ? [fact("approach", digits(approach), "the part of their first distance to which features may come that begin within it")] : []),
     ...(answer.inside > 0 ? [fact("inside at 0", count(answer.inside), "contacts of features that begin within their distance")] : []),
     ...(answer.crowded ? [fact("crowded", "yes", "more than half of the contacts begin within their distance: mostly the thickness is above the length of the edges")] : []),
   ];
 }
 
-/** What the step was answered. */
+/** What is worth a line of a step's answer, beside its sentence. */
+function stepFacts({ answer, turns }) {
+  return [
+    fact("safe step", digits(answer.safe_step), "up to this t nothing meets"),
+    ...(turns ? [fact("bodies on joints", "drawn right at t = 0 and 1", "between them they turn, but this page draws them, their contacts and boxes on straight ways; pccdctl render --time has their arcs")] : []),
+    ...(answer.initial > 0 ? [fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance")] : []),
+    ...(answer.possible > 0 ? [fact("possible", count(answer.possible), "not proved")] : []),
+  ];
+}
+
+/** What the step was answered: for everybody, and, folded, for those who look at the engine. */
 export function makeAnswer(data, state) {
+  const { steps } = data.meta;
   state.on(["index"], ({ index }) => {
-    const step = data.meta.steps[index];
+    const step = data.step(index);
     const { answer } = step;
-    const isPairs = answer.mode === "pairs";
-    byId("total").textContent = count(answer.total);
-    byId("total-what").textContent = step.near ? `near: ${step.near}` : isPairs ? "candidate pairs" : answer.total === 1 ? "contact" : "contacts";
-    byId("facts").replaceChildren(
-      ...KINDS.flatMap(({ name, id }, kind) => (kind < 2 || answer[id] > 0 ? [fact(name, count(answer[id]))] : [])),
-      ...(step.near ? nearFacts(answer) : []),
-      fact("first", answer.toi_first === null ? "–" : answer.toi_first.toFixed(6), "smallest time of impact"),
-      ...(step.near ? [] : [fact("safe step", answer.safe_step.toFixed(6), "up to there nothing meets")]),
-      ...(step.turns ? [fact("bodies on joints", "drawn right at t = 0 and 1", "between them they turn, but this page draws them, their contacts and boxes on straight ways; pccdctl render --time has their arcs")] : []),
-      ...thickFacts(step),
-      fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance"),
-      fact("possible", count(answer.possible), "not proved"),
-      fact("answer", answer.status !== "OK" ? answer.status : INCOMPLETE[answer.incomplete] ?? "?"),
-      ...(step.near ? [] : [fact("mode", answer.mode === "any" ? `any: ${VERDICTS[answer.verdict]}` : answer.mode)]),
+    const [before, total, behind] = sentenceOf(step, steps[steps.length - 1].number);
+    byId("sentence").replaceChildren(before,
+      element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
+    byId("records-head").textContent = step.near ? "Near" : answer.mode === "pairs" ? "Pairs" : "Contacts";
+    byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step));
+    byId("engine-facts").replaceChildren(
+      ...(step.near ? [] : [fact("mode", answer.mode)]),
       fact("method", `${answer.method}, ${answer.threads} thread${answer.threads === 1 ? "" : "s"}`),
       fact("step", duration(answer.times.step)),
       fact("queue", duration(answer.times.queue), "from arrival to the compute thread"),
@@ -109,6 +115,67 @@ export function makeAnswer(data, state) {
   });
 }
 
+/** "(0.1, 0.2, 0.3)" */
+const pointText = (x) => `(${x.map(digits).join(", ")})`;
+
+/** Where record `i` is, in the recording's own coordinates. */
+function placeText(step, i, { origin, unit }) {
+  return pointText(between(step.at0, step.at1, i, step.near ? 0 : step.contacts.toi[i]).map((x, k) => x * unit + origin[k]));
+}
+
+/** What is known of a record: [name, text]. */
+function recordFacts(step, i, meta) {
+  const normal = [0, 1, 2].map((k) => step.contacts.normal[3 * i + k]);
+  const apart = apartOf(step, i) * meta.unit;
+  const measure = measureOf(step);
+  const flag = flagText(step, i);
+  return [
+    ["kind", KINDS[step.contacts.kind[i]].name],
+    ["first", featureText(step, i, "a")],
+    ["second", featureText(step, i, "b")],
+    ...(measure?.name === "time" ? [["time", `t = ${digits(measure.of(i))}`]] : []),
+    ...(measure ? [["place", placeText(step, i, meta)]] : []),
+    ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
+    ...(measure && (step.near || apart > 0) ? [["distance", digits(step.near ? measure.of(i) : apart)]] : []),
+    ...(flag ? [["begins", flag.title]] : []),
+    ["record", `${count(i + 1)} of ${count(step.contacts.count)}`],
+  ];
+}
+
+/** A record in a sentence, for a mail: "step 3: vertex 3 of cloth meets face 12 of ball at ...". */
+export function recordText(step, i, meta) {
+  const facts = Object.fromEntries(recordFacts(step, i, meta));
+  const details = ["time", "place", "normal", "distance"].filter((name) => facts[name])
+    .map((name) => (name === "time" ? facts.time : `${name} ${facts[name]}`));
+  return `${step.near ? "question" : "step"} ${step.number}: ${facts.first} ${measureOf(step)?.name === "time" ? "meets" : "and"} ${facts.second}`
+    + `${details.length > 0 ? ` at ${details.join(", ")}` : ""}${facts.begins ? ` (${facts.begins})` : ""}`;
+}
+
+/** The record that is chosen, with all that is known of it. */
+export function makeDetail(data, state, does) {
+  byId("closer").addEventListener("click", does.closer);
+  byId("copy").addEventListener("click", does.copy);
+  byId("detail-close").addEventListener("click", () => state.set({ chosen: -1 }));
+  state.on(["index", "chosen"], ({ index, chosen }) => {
+    const step = data.step(index);
+    const isShown = chosen >= 0 && chosen < step.contacts.count;
+    byId("detail").hidden = !isShown;
+    byId("copied").textContent = "";
+    if (isShown) {
+      const [one] = nounOf(step);
+      byId("detail-head").textContent = one === "contact" ? "Contact" : "Record";
+      byId("detail-facts").replaceChildren(...recordFacts(step, chosen, data.meta).flatMap(([name, text]) => {
+        const dot = element("i", { className: "dot square" });
+        const side = { first: "a", second: "b" }[name];
+        if (side) {
+          dot.style.background = cssOf(colourOfObject(sideOf(step, chosen, side).object));
+        }
+        return [element("dt", {}, name), element("dd", {}, ...(side ? [dot] : []), text)];
+      }));
+    }
+  });
+}
+
 /** Which level of which hierarchy is drawn. */
 export function makeHierarchy(data, state, view) {
   const select = byId("tree");
@@ -117,9 +184,9 @@ export function makeHierarchy(data, state, view) {
 
   select.addEventListener("change", () => state.set({ tree: select.value }));
   slider.addEventListener("input", () => state.set({ level: Number(slider.value) - 1 }));
-  state.on(["index", "tree", "level"], (values) => {
+  state.on(["index", "tree", "level", "engine"], (values) => {
     const trees = TREES.filter((tree) => data.meta.steps[values.index].boxes?.[tree]?.length > 0);
-    byId("hierarchy").hidden = trees.length === 0;
+    byId("hierarchy").hidden = trees.length === 0 || !values.engine;
     if (trees.length === 0) {
       state.set({ boxes: view?.showBoxes("faces", null) ?? 0 });
       return;
@@ -130,13 +197,13 @@ export function makeHierarchy(data, state, view) {
     }
     select.replaceChildren(...trees.map((tree) => element("option", { value: tree, selected: tree === values.tree }, tree)));
     const levels = levelsOf(values);
-    const level = Math.min(values.level, levels.length - 1);
+    const level = values.engine ? Math.min(values.level, levels.length - 1) : -1;
     slider.max = String(levels.length);
     slider.value = String(level + 1);
     const text = level < 0 ? "off" : `level ${level} of ${levels.length - 1}: ${plural(levels[level].count, "box", "boxes")}`;
     byId("level-text").textContent = text;
     slider.setAttribute("aria-valuetext", text);
-    const floats = level < 0 ? null : data.boxes(values.index, values.tree, level);
+    const floats = level < 0 ? null : data.step(values.index).boxesAt(values.tree, level);
     state.set({ boxes: view ? view.showBoxes(values.tree, floats) : (floats?.length ?? 0) / 12 });
   });
 }
@@ -156,6 +223,7 @@ export function makeObjectList(data, state) {
   state.on(["index", "hidden"], ({ index, hidden }) => {
     const { objects } = data.step(index);
     byId("object-count").textContent = count(objects.length);
+    byId("objects-fold").hidden = objects.length < 2;
     list.replaceChildren(...objects.slice(0, 200).map((object, i) => {
       const box = element("input", { type: "checkbox", checked: !hidden.has(object.handle) });
       const dot = element("i", { className: "dot square" });
@@ -165,7 +233,7 @@ export function makeObjectList(data, state) {
         next[box.checked ? "delete" : "add"](object.handle);
         state.set({ hidden: next });
       });
-      return element("label", { className: "object" }, box, dot, `object ${i}`,
+      return element("label", { className: "object" }, box, dot, `${object.name} `, element("span", { className: "colour" }, nameOfColour(i)),
         element("span", {}, sizeText(object, data.meta.unit)));
     }));
   });

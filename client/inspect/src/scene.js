@@ -14,7 +14,9 @@ const FLY_MS = 450;
 const FIT_ROOM = 0.94; // what is seen is rounder than its box
 const POINT_MAX = 11; // pixels across
 const POINT_MIN = 5;
-const PICK_PIXELS = 14;
+const PICK_PIXELS = { mouse: 14, touch: 30 };
+const FLY_PART = 0.8; // of the distance from which all is seen: the rest is cut at the sides
+const CLOSE = 22; // sizes of a contact's features away from it
 
 /** Colours of the style sheet as [r, g, b]. */
 function rgbOf(name) {
@@ -47,6 +49,7 @@ export function makeScene(canvas, onMove) {
   const boxes = makeBoxes(group, uniforms);
   let flight = null; // {begin, fromTarget, toTarget, fromAt, toAt}
   let extent = null;
+  let pin = null; // {step, i}: what is chosen
   let pointSize = POINT_MAX;
   ground.renderOrder = -1;
   scene.add(ground, group);
@@ -81,7 +84,7 @@ export function makeScene(canvas, onMove) {
     camera.far = away * 20 + (extent ? 20 * extent.radius : 0);
     camera.updateProjectionMatrix();
     renderer.render(scene, camera);
-    onMove(camera);
+    onMove(camera, pin && placeOf(pin.step, pin.i, uniforms.t.value));
     if (moves) {
       draw();
     }
@@ -108,6 +111,12 @@ export function makeScene(canvas, onMove) {
       fromAt: camera.position.clone(), toAt: at,
     };
     draw();
+  }
+
+  /** Where a contact is on the canvas at a time: [x, y] in pixels, and how deep. */
+  function placeOf(step, i, t) {
+    const at = new Vector3(...between(step.at0, step.at1, i, t)).project(camera);
+    return [((at.x + 1) / 2) * canvas.clientWidth, ((1 - at.y) / 2) * canvas.clientHeight, at.z];
   }
 
   /** How far from the middle every corner of the box is in the picture. */
@@ -170,8 +179,9 @@ export function makeScene(canvas, onMove) {
         flyTo(extent.middle.clone(), extent.middle.clone().addScaledVector(direction, away), isAtOnce);
       }
     },
-    /** Look at a contact from outside of the face, or of where it is now. */
-    flyToContact(step, i, t, size) {
+    /** Look at a contact from outside of the face, or of where it is now: with the scene around it,
+     * or, `isClose`, with its features alone. */
+    flyToContact(step, i, t, size, isClose) {
       const at = new Vector3(...between(step.at0, step.at1, i, t));
       const direction = camera.position.clone().sub(controls.target).normalize();
       const normal = new Vector3().fromArray(step.contacts.normal, 3 * i);
@@ -179,7 +189,21 @@ export function makeScene(canvas, onMove) {
         normal.negate();
       }
       direction.addScaledVector(normal, 0.6).addScaledVector(camera.up, 0.15).normalize();
-      flyTo(at, at.clone().addScaledVector(direction, 22 * size));
+      const seen = extent ? FLY_PART * distanceToSee({ ...extent, middle: at }, direction) : 0;
+      flyTo(at, at.clone().addScaledVector(direction, isClose ? CLOSE * size : Math.max(seen, CLOSE * size)));
+    },
+    /** Which part of the vertices of a step is in the picture. */
+    partInSight({ objects }) {
+      let [inside, all] = [0, 0];
+      const place = new Vector3();
+      for (const { x1 } of objects) {
+        for (let i = 0; i < x1.length; i += 3) {
+          place.fromArray(x1, i).project(camera);
+          inside += Math.max(Math.abs(place.x), Math.abs(place.y)) <= 1 && place.z < 1 ? 1 : 0;
+          all++;
+        }
+      }
+      return inside / all;
     },
     showObjects(step, options) {
       uniforms.opacity.value = options.opacity;
@@ -194,12 +218,13 @@ export function makeScene(canvas, onMove) {
       draw();
       return sticks;
     },
-    showLines(step) {
-      const count = marks.showLines(step, rgbOf("feature-a"));
+    showLines(step, picked) {
+      const count = marks.showLines(step, picked, rgbOf("feature-a"));
       draw();
       return count;
     },
     choose(step, i, size) {
+      pin = i >= 0 ? { step, i } : null;
       marks.choose(step, i, size, { a: rgbOf("feature-a"), b: rgbOf("feature-b"), normal: rgbOf("normal") });
       draw();
     },
@@ -208,26 +233,26 @@ export function makeScene(canvas, onMove) {
       draw();
       return count;
     },
-    /** The contact of `picked` that is nearest to a place on the canvas; -1: none near. */
-    pick(step, picked, t, x, y) {
-      const { clientWidth: width, clientHeight: height } = canvas;
-      const place = new Vector3();
+    /** The contact of `picked` that is nearest to a place on the canvas; -1: none near. A finger is
+     * wider than a mouse. */
+    pick(step, picked, t, x, y, pointer) {
+      const reach = (PICK_PIXELS[pointer] ?? PICK_PIXELS.mouse) ** 2;
       let best = -1;
-      let least = PICK_PIXELS ** 2;
+      let least = reach;
       let nearest = Infinity;
       for (const i of picked) {
-        place.set(...between(step.at0, step.at1, i, t)).project(camera);
-        const dx = ((place.x + 1) / 2) * width - x;
-        const dy = ((1 - place.y) / 2) * height - y;
-        const away = dx * dx + dy * dy;
-        if (place.z < 1 && away < PICK_PIXELS ** 2 && (away < least * 0.6 || (away < least * 1.4 && place.z < nearest))) {
+        const [atX, atY, depth] = placeOf(step, i, t);
+        const away = (atX - x) ** 2 + (atY - y) ** 2;
+        if (depth < 1 && away < reach && (away < least * 0.6 || (away < least * 1.4 && depth < nearest))) {
           best = i;
           least = Math.max(away, 4);
-          nearest = place.z;
+          nearest = depth;
         }
       }
       return best;
     },
+    /** Where a contact is seen, in pixels of the canvas. */
+    placeOf: (step, i, t) => placeOf(step, i, t),
     /** What is seen, as the address of a PNG. */
     picture() {
       renderer.render(scene, camera);

@@ -1,4 +1,4 @@
-// timeline.js - what each phase of each step took, with the number of contacts over it.
+// timeline.js - how many contacts each step has; with the engine's figures what each phase took, too.
 
 import { PHASES } from "./colours.js";
 import { byId, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
@@ -20,7 +20,7 @@ const restOf = ({ times }) =>
 export const partsOf = (answer) =>
   [...PHASES.map((phase) => [phase, answer.times[phase]]), ["other", restOf(answer)]];
 
-export function makeTimeline(data, state) {
+export function makeTimeline(data, state, goTo) {
   const canvas = byId("timeline");
   const { steps } = data.meta;
   const highest = Math.max(1, ...steps.map(({ answer }) => answer.times.step));
@@ -34,15 +34,22 @@ export function makeTimeline(data, state) {
     return Math.min(steps.length - 1, Math.max(0, index));
   };
 
+  /** A line at a round time. */
+  function drawScale(context, width, height, room) {
+    const line = roundBelow(highest);
+    const y = Math.round(height - (line / highest) * room);
+    context.fillStyle = colourOf("line");
+    context.fillRect(0, y, width, 1);
+    context.fillStyle = colourOf("faint");
+    context.fillText(duration(line), width - 4, y + 12);
+  }
+
   const draw = oncePerFrame(() => {
     const { context, width, height } = prepareCanvas(canvas);
     const room = height - TOP - 2;
     const bar = widthOf(width);
     const gap = bar > 4 ? Math.min(3, bar * 0.2) : 0;
-    const line = roundBelow(highest);
-    const y = height - (line / highest) * room;
-    context.fillStyle = colourOf("line");
-    context.fillRect(0, Math.round(y), width, 1);
+    const { engine } = state.values;
     steps.forEach(({ answer }, i) => {
       const isShown = i === state.values.index;
       let bottom = height;
@@ -50,26 +57,30 @@ export function makeTimeline(data, state) {
         context.fillStyle = colourOf(isShown ? "chosen" : "hover");
         context.fillRect(i * bar, 0, Math.max(bar, 2), height);
       }
-      for (const [name, ns] of partsOf(answer)) {
-        const tall = (ns / highest) * room;
+      const parts = engine ? partsOf(answer).map(([name, ns]) => [name, ns / highest])
+        : [["contacts", answer.total / most]];
+      for (const [name, share] of parts) {
+        const tall = share > 0 ? Math.max(share * room, engine ? 0 : 1.5) : 0;
         context.fillStyle = colourOf(`phase-${name}`);
         context.fillRect(i * bar + gap / 2, bottom - tall, Math.max(bar - gap, 0.75), tall);
         bottom -= tall;
       }
     });
-    context.strokeStyle = colourOf("text");
-    context.globalAlpha = 0.65;
-    context.lineWidth = 1.25;
-    context.beginPath();
-    steps.forEach(({ answer }, i) => {
-      context.lineTo((i + 0.5) * bar, height - 1 - (answer.total / most) * (room - 4));
-    });
-    context.stroke();
-    context.globalAlpha = 1;
-    context.fillStyle = colourOf("faint");
     context.textAlign = "right";
-    context.fillText(duration(line), width - 4, Math.round(y) + 12);
-    context.fillText(`— contacts, at most ${count(most)}`, width - 4, 11);
+    if (engine) {
+      drawScale(context, width, height, room);
+      context.strokeStyle = colourOf("text");
+      context.globalAlpha = 0.65;
+      context.lineWidth = 1.25;
+      context.beginPath();
+      steps.forEach(({ answer }, i) => {
+        context.lineTo((i + 0.5) * bar, height - 1 - (answer.total / most) * (room - 4));
+      });
+      context.stroke();
+      context.globalAlpha = 1;
+    }
+    context.fillStyle = colourOf("faint");
+    context.fillText(`${engine ? "— " : ""}found in each step, at most ${count(most)}`, width - 4, 11);
     context.fillStyle = colourOf("accent");
     context.fillRect(state.values.index * bar, 0, Math.max(bar, 2), 2);
   });
@@ -77,24 +88,23 @@ export function makeTimeline(data, state) {
   canvas.addEventListener("pointermove", (event) => {
     hover = indexAt(event);
     const { number, answer } = steps[hover];
-    showTip(event, `step ${number}: ${duration(answer.times.step)}`, [
-      ...partsOf(answer).map(([name, ns]) => `${name}  ${duration(ns)}`),
-      `${count(answer.total)} ${answer.mode === "pairs" ? "pairs" : "contacts"}`,
-    ]);
+    showTip(event, `step ${number}: ${count(answer.total)} found`, state.values.engine
+      ? [`in ${duration(answer.times.step)}`, ...partsOf(answer).map(([name, ns]) => `${name}  ${duration(ns)}`)] : []);
     if (event.buttons & 1) {
-      state.set({ index: hover, playing: false });
+      goTo(hover, { playing: false });
     }
     draw();
   });
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
-    state.set({ index: indexAt(event), playing: false });
+    goTo(indexAt(event), { playing: false });
   });
   canvas.addEventListener("pointerleave", () => {
     hover = -1;
     hideTip();
     draw();
   });
-  state.on(["index", "theme"], draw);
+  canvas.hidden = steps.length === 1;
+  state.on(["index", "theme", "engine"], draw);
   new ResizeObserver(draw).observe(canvas);
 }

@@ -1,0 +1,100 @@
+// words.js - what the page says: numbers, features, objects, and what a step was answered.
+
+import { FEATURES, INITIAL, INSIDE, KINDS, verticesOf } from "./data.js";
+import { plural } from "./dom.js";
+
+const INCOMPLETE = ["", "", "the deadline passed", "it was cancelled", "there are more than the daemon keeps"];
+
+/** A number, to four significant digits: 0.0283, 7.492e-6. */
+export function digits(value) {
+  const rounded = Number(value.toPrecision(4));
+  return rounded !== 0 && Math.abs(rounded) < 1e-3 ? rounded.toExponential() : String(rounded);
+}
+
+/** Two objects of a step: "cloth and ball", "cloth and itself". */
+export const pairText = ({ objects }, a, b) =>
+  `${objects[a].name} and ${a === b ? "itself" : objects[b].name}`;
+
+/** One side of record `i`: {object, points, feature, vertices}; no vertices: there is no such
+ * feature. */
+export function sideOf({ contacts, objects }, i, side) {
+  const object = side === "a" ? contacts.objectA[i] : contacts.objectB[i];
+  const feature = side === "a" ? contacts.featureA[i] : contacts.featureB[i];
+  const points = KINDS[contacts.kind[i]].points[side === "a" ? 0 : 1];
+  return { object, points, feature, vertices: verticesOf(objects[object], points, feature) };
+}
+
+/** "vertex 3 of cloth", "edge 4-7 of ball": an edge by its vertices, which files name. */
+export function featureText(step, i, side, of = " of ") {
+  const { object, points, feature, vertices } = sideOf(step, i, side);
+  const number = points === 2 && vertices.length > 0 ? vertices.join("-") : feature;
+  return `${FEATURES[points]} ${number}${step.objects.length > 1 ? `${of}${step.objects[object].name}` : ""}`;
+}
+
+/** How the features of a contact begin: {text, title}, or null where it is as ever. */
+export function flagText({ contacts }, i) {
+  return contacts.flags[i] & INITIAL ? { text: "at 0", title: "touching or within their distance at t = 0" }
+    : contacts.flags[i] & INSIDE ? { text: "in", title: "within their distance at t = 0, and approaching" } : null;
+}
+
+/** How a step's records are measured: {name, of(i)}; null: candidate pairs have no measure. */
+export function measureOf({ contacts, near, answer }) {
+  return near ? { name: "distance", of: (i) => contacts.distance[i] }
+    : answer.mode === "pairs" ? null : { name: "time", of: (i) => contacts.toi[i] };
+}
+
+/** Each two objects that records name, with how many: [{key, a, b, count}], most first. */
+export function pairsOf({ contacts, objects }) {
+  const pairs = new Map();
+  for (let i = 0; i < contacts.count; i++) {
+    const [a, b] = [contacts.objectA[i], contacts.objectB[i]].sort((one, other) => one - other);
+    const key = a * objects.length + b;
+    const pair = pairs.get(key) ?? { key, a, b, count: 0 };
+    pair.count++;
+    pairs.set(key, pair);
+  }
+  return [...pairs.values()].sort((one, other) => other.count - one.count || one.key - other.key);
+}
+
+/** " between cloth and ball", of all records of a step; "" where there is one object. */
+function whereText(step) {
+  const pairs = pairsOf(step);
+  return step.objects.length < 2 || pairs.length === 0 ? ""
+    : pairs.length === 1 ? ` between ${pairText(step, pairs[0].a, pairs[0].b)}`
+      : ` between ${plural(pairs.length, "pair", "pairs")} of objects`;
+}
+
+/** What a question about what is near asked for: its records as [one, many]. */
+function nearNoun({ near, asked }) {
+  const within = asked.distance === null ? "" : ` within ${digits(asked.distance)}`;
+  return {
+    pairs: [`pair of features${within}`, `pairs of features${within}`],
+    features: [`closest feature${within}`, `closest features${within}`],
+    vertices: ["vertex with its bound", "vertices with their bounds"],
+    nearest: ["nearest pair of features", "nearest pairs of features"],
+    crossings: ["edge that passes through a face", "edges that pass through faces"],
+    depth: ["vertex inside another object", "vertices inside other objects"],
+  }[near] ?? ["record", "records"];
+}
+
+/** What the records of a step are called: [one, many]. */
+export const nounOf = (step) => (step.near ? nearNoun(step)
+  : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
+    : ["contact", "contacts"]);
+
+/** The sentence that says what is looked at, in parts: [before, count, behind]. */
+export function sentenceOf(step, last) {
+  const { answer, near, number } = step;
+  const before = near ? `Question ${number}: ` : `Step ${number} of ${last}: `;
+  const cut = answer.status !== "OK" ? `: ${answer.status}`
+    : INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
+  if (!near && answer.mode === "any") {
+    return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does"][answer.verdict]}${cut}`];
+  }
+  const [one, many] = nounOf(step);
+  const asked = { first: ", as only the first was asked for", "first-per-pair": ", the first of each two objects" }[answer.mode] ?? "";
+  const first = near && answer.distance_min !== null ? `; the least distance is ${digits(answer.distance_min)}`
+    : !near && answer.toi_first !== null ? `, the first at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
+  const none = !near && answer.total === 0 && !cut ? ": nothing meets" : "";
+  return [before, answer.total, ` ${answer.total === 1 ? one : many}${whereText(step)}${first}${asked}${none}${cut}`];
+}
