@@ -26,7 +26,8 @@ libctl_la_SOURCES = \
     client/ctl/check/report.c client/ctl/check/report_json.c \
     client/ctl/check/report_line.c \
     client/ctl/commands/cloth.c \
-    client/ctl/commands/check_jobs.c client/ctl/commands/check_walk.c \
+    client/ctl/commands/check_jobs.c client/ctl/commands/check_screw.c \
+    client/ctl/commands/check_walk.c \
     client/ctl/commands/cmd_check.c \
     client/ctl/commands/cmd_config.c \
     client/ctl/commands/cmd_demo.c \

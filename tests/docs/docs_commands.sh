@@ -41,8 +41,8 @@ frame() { # HEIGHT
     printf '%s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" "0.75 0.25 $((3 + $1))" \
         "0.25 0.75 $((3 + $1))" '3 0 1 2' '3 3 4 5'
 }
-for name in frame0 cloth_92; do frame 1 >$name.ply; done
-for name in frame1 cloth_93; do frame -1 >$name.ply; done
+for name in frame0 cloth_92 door; do frame 1 >$name.ply; done
+for name in frame1 cloth_93 wall; do frame -1 >$name.ply; done
 "$top_builddir/pccdctl" load --hz 100 --seconds 600 frame0.ply frame1.ply >/dev/null 2>"$log" &
 pids=$!
 for _ in 1 2 3 4 5 6 7 8 9 10; do

@@ -322,6 +322,50 @@ jams --edges e.jsonl hinge.urdf && says '^edge +line 1: free$' \
     edge '[' && ends 4 'e.jsonl:1: ' sweep --edges e.jsonl hinge.urdf
 report "edges are free or jam at a time; wrong ones are refused with their line"
 
+# block X0 X1: a block of an OBJ file between these, 2 wide and high around the x axis.
+block() {
+    printf 'v %s -1 -1\nv %s 1 -1\nv %s 1 1\nv %s -1 1\n' "$2" "$2" "$2" "$2" "$1" "$1" "$1" "$1"
+    printf 'f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n'
+}
+block 1 2 >body.obj
+block -2 -1.5 >wall.obj
+block 11 12 >body2.obj
+block 8 8.5 >wall2.obj
+screw() { ctl check --motion screw --json "$@"; }
+# The side y = -1 of the body comes to the edge of the wall at (-1.5, -1), at pi - 2 atan(2 / 3).
+meets() { screw "$@"; [ $? -eq 1 ] && holds jams screw 1.9655874464946581 1e-6; }
+
+# Otherwise a body of two files would turn about another axis, in the other direction, or straight.
+meets --axis 0,0,1 --angle -200deg --pitch 0.5 body.obj wall.obj &&
+    meets --axis 0,0,-2 --angle 3 body.obj wall.obj &&
+    meets --axis 0,0,1 --through 10,0,5 --angle -3 body2.obj wall2.obj &&
+    meets --axis 0,0,1 --angle -3 --with wall2.obj body.obj wall.obj &&
+    screw --axis 0,0,1 --angle 1.965 body.obj wall.obj &&
+    screw --axis 0,0,1 --angle 3 --pitch 20 body.obj wall.obj &&
+    ! screw --axis 0,0,1 --angle 3 --pitch 20 --separation 2 body.obj wall.obj &&
+    ! ctl check --motion screw --axis 0,0,1 --angle 3 body.obj wall.obj &&
+    says '^joint +screw 0 to 3 rad .*: jams$' 'body and wall, from the begin$'
+report "a screw of two files jams where it does"
+
+# Otherwise what is asked of frames would be left out in silence, or a screw be none.
+turn="--motion screw --axis 0,0,1 --angle 1"
+for option in --mode=any --tolerance=1e-3 --contacts=c.csv --results=r.jsonl --jobs=2 --deadline=9 \
+    --trace=t.json --page=p.html --rings=2 --repeat=3; do
+    ends 2 "${option%%=*}: not with --motion screw" check $turn "$option" body.obj wall.obj || break
+done && ends 2 'two files' check $turn seq%d.obj &&
+    ends 2 '--motion screw: --axis X,Y,Z' check --motion screw --angle 1 body.obj wall.obj &&
+    ends 2 'are of --motion screw' check --pitch 1 body.obj wall.obj &&
+    ends 2 'not an angle' check $turn --angle 7e6 body.obj wall.obj &&
+    ends 2 'not X,Y,Z' check $turn --through 1,2 body.obj wall.obj &&
+    echo '{}' >s.json && ends 4 's.json' check $turn s.json wall.obj
+report "a screw that makes no sense is refused by name"
+
+# Otherwise nobody could hold against it what it has said.
+timeout 60 "$PCCDCTL" record --contacts -o s.rec -- "$PCCDCTL" check $turn --angle=-3 body.obj \
+    wall.obj >out 2>err
+[ -s s.rec ] && ctl replay s.rec && says ' the same, 0 not$' && ctl verify s.rec
+report "a recorded screw is answered so again, and verified"
+
 # Otherwise the robot that many have would be another one, or its meshes not be found.
 panda=${PCCD_DATA-}/panda
 if [ -e "$panda/panda.urdf" ]; then

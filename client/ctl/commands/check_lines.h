@@ -20,6 +20,7 @@
 #include <stdio.h>
 
 #include "check_run.h"
+#include "check_screw.h"
 #include "error.h"
 #include "failing.h"
 #include "results.h"
@@ -45,6 +46,7 @@ static inline bool results_part_is(const struct results_options *results)
 /* All that was said of a check. */
 struct check_command {
     struct check_options check;
+    struct check_screw screw;
     struct scene_options scene;
     struct trace_options trace;
     struct results_options results;

@@ -49,11 +49,55 @@ static void check_results(struct argp_state *state, const struct check_command *
     }
 }
 
+/* Refuse what is asked of frames alone. */
+static void check_screw(struct argp_state *state, const struct check_command *command)
+{
+    const struct pccd_step_settings *settings = &command->check.settings;
+    const struct pccd_step_settings defaults = PCCD_STEP_SETTINGS_INIT;
+    const struct ask_options *ask = &command->check.ask;
+    const struct {
+        const char *name;
+        bool is_given;
+    } others[] = {
+        {"mode", settings->mode != defaults.mode},
+        {"tolerance", settings->tolerance != defaults.tolerance},
+        {"approach", settings->approach > 0},
+        {"touching", settings->touching != 0},
+        {"rest-exclusion", (ask->object.what & PCCD_OBJECT_REST_DISTANCE) != 0},
+        {"rings", (ask->object.what & PCCD_OBJECT_REST_RINGS) != 0},
+        {"rate", ask->frames.wish.rate > 0},
+        {"animation", ask->frames.wish.animation != NULL},
+        {"repeat", ask->has_repeats},
+        {"method", ask->method != PCCD_METHOD_DEFAULT},
+        {"tuning", ask->tuning != NULL},
+        {"deadline", ask->deadline_ns > 0},
+        {"contacts", ask->csv != NULL},
+        {"results", command->results.path != NULL},
+        {"part", command->results.parts > 0},
+        {"jobs", command->results.jobs > 1},
+        {"trace", command->trace.path != NULL},
+        {"page", command->failing.page != NULL},
+        {"film", command->failing.film != NULL},
+    };
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        if (others[i].is_given) {
+            option_misused(state, "--%s: not with --motion screw", others[i].name);
+        }
+    }
+    if (ask->files.count + command->scene.with.count < 2) {
+        option_misused(state, "--motion screw: two files: of what turns, and of what it "
+                              "may meet");
+    }
+}
+
 static void check_usage(struct argp_state *state, void *to)
 {
     const struct check_command *command = to;
     const struct trace_options *trace = &command->trace;
     check_results(state, command);
+    if (command->screw.motion != 0) {
+        check_screw(state, command);
+    }
     if (command->has_geometry && command->check.ask.csv == NULL) {
         option_misused(state, "--geometry is of the contacts that --contacts writes");
     }
@@ -98,22 +142,25 @@ static const struct option_row rows[] = {
 const struct option_table ctl_table_check = {
     .rows = rows,
     .parts = (const struct option_part[]){{&check_table, AT(check)},
+                                          {&check_screw_table, AT(screw)},
                                           {&failing_table, AT(failing)},
                                           {&scene_table, AT(scene)},
                                           {&ctl_link_table, AT(check.ask.link)},
                                           {0}},
     .check = check_usage,
-    .arguments = "MESH_T0 MESH_T1 [MESH_T2...]\nSCENE",
+    .arguments = "MESH_T0 MESH_T1 [MESH_T2...]\nSCENE\n--motion screw BODY OTHER...",
     .text = "Find every contact of a mesh that moves linearly from MESH_T0 to "
             "MESH_T1, then to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF and "
             "have the same faces; seq%d.obj names all that are numbered, and a point "
-            "cache (.pc2, .mdd) has the frames of the mesh file before it.",
+            "cache (.pc2, .mdd) has the frames of the mesh file before it. With --motion "
+            "screw: tell whether BODY meets OTHER while it turns, as pccdctl sweep does.",
     .more = "Without --url, --socket and $PCCD_URL a private daemon is started. CSV "
             "columns: kind,i0,i1,i2,i3,toi,toi_hi,proved,x,y,z, after a column step "
             "when there are more than two files. Exit status: 0 when nothing meets, 1 "
             "when something does, or in mode pairs may, 2 after wrong usage, 3 "
             "without a daemon, 4 after any other error, and when nothing was found "
-            "in an answer that is incomplete.",
+            "in an answer that is incomplete, 5 when a screw meets nothing and a part "
+            "of it stays undecided.",
     .examples = "  pccdctl check a.obj b.obj\n"
                 "  pccdctl check --mode first --json seq%d.obj\n",
 };
@@ -124,7 +171,10 @@ int ctl_cmd_check(int argc, char **argv)
     int status = CTL_USAGE;
     command.check.ask.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
     if (option_parse(&ctl_table_check, argc, argv, &command) == 0) {
-        status = check_walk(&command);
+        status = command.screw.motion == 0
+                     ? check_walk(&command)
+                     : sweep_screw(&command.screw, &command.check.ask, &command.scene,
+                                   command.check.settings.separation);
     }
     scene_options_deinit(&command.scene);
     ctl_link_deinit(&command.check.ask.link);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check_screw.h"
 #include "ctl.h"
 #include "link.h"
 #include "output.h"
@@ -28,6 +29,10 @@ struct command {
     const char *edges;   /* NULL: ranges are swept */
     const char *picture; /* a file; NULL: none is drawn */
     bool is_json;
+    /* Of `pccdctl check --motion screw`; NULL: a file has joints. */
+    const struct check_screw *screw;
+    const struct ask_options *ask;
+    const struct scene_options *scene;
 };
 
 static void take_text(struct argp_state *state, const struct option_row *row,
@@ -288,12 +293,72 @@ static int read_scene(const struct command *command, struct run *run,
     return status == PCCD_OK ? robot_take_scene(&run->robot, &run->scene, error) : status;
 }
 
+/* Give a scene the joints of a screw, on which its first object hangs: one turns about
+ * the axis, one goes along it, one leads back from the axis to where the object is. */
+static int add_screw(struct scene *scene, const struct check_screw *screw,
+                     struct ctl_error *error)
+{
+    static const char *const names[] = {"screw", "shift", "body"};
+    struct scene_joint *joints = calloc(3, sizeof *joints), *shift = &joints[1];
+    scene->joints = joints;
+    scene->joint_count = joints != NULL ? 3 : 0;
+    scene->objects[0].joint = strdup(names[2]);
+    bool ok = joints != NULL && scene->objects[0].joint != NULL;
+    for (uint32_t i = 0; i < scene->joint_count; i++) {
+        joints[i].name = strdup(names[i]);
+        joints[i].parent = i > 0 ? strdup(names[i - 1]) : NULL;
+        ok = ok && joints[i].name != NULL && (i == 0 || joints[i].parent != NULL);
+        memcpy(joints[i].axis, screw->axis, sizeof screw->axis);
+    }
+    if (ok) {
+        joints[0].type = SCENE_REVOLUTE;
+        joints[0].range[1] = screw->angle;
+        shift->type = SCENE_PRISMATIC;
+        shift->range[0] = -LENGTH_MAX;
+        shift->range[1] = LENGTH_MAX;
+        shift->multiplier = screw->pitch / (2 * ROBOT_PI);
+        shift->follows = strdup(names[0]);
+        ok = shift->follows != NULL;
+        joints[2].type = SCENE_FIXED;
+        for (int k = 0; k < 3; k++) {
+            joints[0].position[k] = screw->through[k];
+            joints[2].position[k] = -screw->through[k];
+        }
+    }
+    return ok ? PCCD_OK : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+}
+
+/* Take files as bodies of which the first one is on a screw. */
+static int read_screw(const struct command *command, struct run *run,
+                      struct ctl_error *error)
+{
+    const struct ask_options *ask = command->ask;
+    run->scene = (struct scene){.settings = &ask->object, .frames = &ask->frames};
+    int status = scene_take(&run->scene, &command->files, true, command->scene, error);
+    if (status == PCCD_OK && run->scene.path != NULL) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "%s: --motion screw takes meshes; pccdctl sweep takes "
+                               "scene files with joints",
+                               tool_shown(command->files.list[0]));
+    }
+    status = status == PCCD_OK ? scene_open(&run->scene, error) : status;
+    status = status == PCCD_OK ? add_screw(&run->scene, command->screw, error) : status;
+    if (status == PCCD_OK) {
+        run->scene.path = strdup(command->files.list[0]);
+        status = run->scene.path != NULL
+                     ? robot_take_scene(&run->robot, &run->scene, error)
+                     : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
+    return status;
+}
+
 static int read_robot(const struct command *command, struct run *run,
                       struct ctl_error *error)
 {
     const char *path = command->files.list[0];
     struct robot *robot = &run->robot;
-    int status = scene_is_named(path)
+    int status = command->screw != NULL ? read_screw(command, run, error)
+                 : scene_is_named(path)
                      ? read_scene(command, run, error)
                      : robot_read_urdf(robot, path, &command->robot, error);
     for (size_t i = 0; i < command->apart.count && status == PCCD_OK; i++) {
@@ -464,13 +529,26 @@ static int run_sweep(const struct command *command)
                : (int)ctl_exit_of(status, run.verdict == SWEEP_FREE);
 }
 
+#define DEFAULTS .robot.sides = 64, .bracket = 1e-6, .least = 1e-3, .limit = 4096
+
+int sweep_screw(const struct check_screw *screw, const struct ask_options *ask,
+                const struct scene_options *options, double clearance)
+{
+    const struct command command = {DEFAULTS,
+                                    .files = ask->files,
+                                    .link = ask->link,
+                                    .clearance = clearance,
+                                    .threads = ask->threads,
+                                    .is_json = ask->is_json,
+                                    .screw = screw,
+                                    .ask = ask,
+                                    .scene = options};
+    return run_sweep(&command);
+}
+
 int ctl_cmd_sweep(int argc, char **argv)
 {
-    struct command command = {.link.policy = CTL_LINK_PRIVATE_UNLESS_ENV,
-                              .robot.sides = 64,
-                              .bracket = 1e-6,
-                              .least = 1e-3,
-                              .limit = 4096};
+    struct command command = {DEFAULTS, .link.policy = CTL_LINK_PRIVATE_UNLESS_ENV};
     int status = CTL_USAGE;
     if (option_parse(&ctl_table_sweep, argc, argv, &command) == 0) {
         status = run_sweep(&command);
