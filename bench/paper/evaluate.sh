@@ -104,7 +104,7 @@ figures() {
         say "  left out: no gnuplot (apt-get install gnuplot-nox)"
         return 0
     fi
-    for figure in cores rates speedup shares components peers; do
+    for figure in cores rates speedup shares components peers speed; do
         gnuplot -e "folder='$into'; kind='png'; scripts='$scripts'" "$scripts/$figure.gp"
     done
 }

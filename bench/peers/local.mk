@@ -5,6 +5,7 @@
 # make bench-peers BENCH_ARGS=--json           one JSON line a row
 # make bench-near BENCH_ARGS=cloth-ball        what is near, of one scene
 # make bench-allowed BENCH_ARGS=cloth-ball     how much of a step is safe
+# make bench-queries                           who is right on pairs that were made to be hard
 #
 # The only C++ here, and built only where configure has found a library: apt-get install
 # libembree-dev libfcl-dev libbullet-dev libcgal-dev
@@ -83,10 +84,24 @@ bench_peers_turning_LDADD = libpccd.la $(PEERS_LIBS) $(JANSSON_LIBS)
 
 bench-turning: bench/peers/turning
 	@$(AM_TESTS_ENVIRONMENT) bench/peers/turning $(BENCH_ARGS)
+
+# Who is right on pairs that were made to be hard?
+check_PROGRAMS += bench/peers/queries
+bench_peers_queries_SOURCES = bench/peers/queries.cc
+bench_peers_queries_CPPFLAGS = $(AM_CPPFLAGS) $(PEERS_CPPFLAGS)
+bench_peers_queries_CXXFLAGS = $(PEERS_CXXFLAGS) $(IPC_TOOLKIT_CXXFLAGS)
+bench_peers_queries_LDADD = libpccd.la libtests.la $(PEERS_LIBS) $(CMOCKA_LIBS) $(GMP_LIBS)
+if HAVE_IPC_TOOLKIT
+bench_peers_queries_CPPFLAGS += -DPEERS_IPC_TOOLKIT
+bench_peers_queries_LDADD += $(IPC_TOOLKIT_LIBS)
+endif
+
+bench-queries: bench/peers/queries
+	@$(AM_TESTS_ENVIRONMENT) bench/peers/queries
 else
-bench-turning:
+bench-turning bench-queries:
 	@echo 'configure has not found FCL (on Debian: libfcl-dev)'; exit 1
 endif
-.PHONY: bench-turning
+.PHONY: bench-turning bench-queries
 
 test_scripts += bench/peers/smoke.sh

@@ -39,6 +39,16 @@ fi
     grep -q 'ours: allowed' "$log"
 tap_result $? bench_allowed__is_just_before_the_true_share "$log"
 
+# If this failed, README.md would say what is not so: ours is right on each hard query.
+queries=$top_builddir/bench/peers/queries
+if [ ! -x "$queries" ]; then
+    tap_skip bench_queries__finds_ours_right "configure has not found FCL"
+elif "$queries" >"$log" 2>&1; [ $? -eq 77 ]; then
+    tap_skip bench_queries__finds_ours_right "no hand-made queries in \$PCCD_DATA"
+else
+    grep -q '^| pccd | 0 | 0 |$' "$log"
+    tap_result $? bench_queries__finds_ours_right "$log"
+fi
 
 # If this failed, the time of bodies that turn would be that of wrong answers.
 turning=$top_builddir/bench/peers/turning

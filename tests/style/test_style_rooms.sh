@@ -48,7 +48,7 @@ bench               proto proto/text daemon/engine client/lib+ tests/support ben
 bench/model         bench proto/text daemon/engine bench/scenes client/lib+ client/mpi+
 bench/growth        bench proto/text daemon/engine bench/scenes
 bench/paper         bench daemon/engine bench/scenes
-bench/peers         bench proto/text daemon/engine bench/scenes client/oracle client/lib+
+bench/peers         bench proto/text daemon/engine bench/scenes client/oracle client/lib+ tests/support
 bench/redis         bench proto proto/text client/lib+
 bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
 tests/proto         proto tests/support
@@ -140,6 +140,7 @@ bench/peers         ipc/ccd/additive_ccd.hpp ipc/ccd/tight_inclusion_ccd.hpp
 bench/peers         ipc/collision_mesh.hpp ipc/collisions/normal/normal_collisions.hpp
 bench/peers         ipc/distance/distance_type.hpp ipc/utils/logger.hpp tbb/global_control.h
 bench/peers         fcl/geometry/bvh/BVH_model.h fcl/narrowphase/collision.h jansson.h
+bench/peers         fcl/narrowphase/detail/traversal/collision/intersect.h
 bench/peers         algorithm array atomic chrono cmath cstdio cstdlib cstring fstream map memory
 bench/peers         random set sstream string vector
 bench/redis         seccomp.h
