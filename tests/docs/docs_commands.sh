@@ -5,8 +5,8 @@
 # Does:     take the command blocks of README.md, client/README.md and tests/README.md (four blanks,
 #           after an empty line), the commands in the table of tests/README.md, and the commands of every EXAMPLES
 #           section (a tab); run each as it is written, where its files are: frames of a mesh,
-#           build/, a daemon of the user's own with a client that plays. Compile and run the
-#           programs of README.md and libpccd(3).
+#           build/, a daemon of the user's own with a client that plays. Run the program of
+#           README.md, compile and run that of libpccd(3).
 # Does not: run what excluded.txt names, with the reason; such a line that stands in no document
 #           any more fails.
 
@@ -53,8 +53,8 @@ done
 # The hinge of client/README.md.
 awk '/^```xml$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/client/README.md" >hinge.urdf
 
-# The program of README.md, which its commands compile; cc is the compiler of this build.
-awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/README.md" >game.c
+# The sources that commands of documents name; cc is the compiler of this build.
+ln -s "$(cd "$top_srcdir" && pwd)/client" client
 mkdir "$work/bin" && printf '#!/bin/sh\nexec %s "$@"\n' "${CC:-$(command -v cc)}" >"$work/bin/cc" &&
     chmod +x "$work/bin/cc"
 PATH=$work/bin:$PATH
@@ -169,8 +169,17 @@ check_program() {
     cat out >>"$log"
     tap_result $status "$1" "$log"
 }
-check_program readme__program_prints_contacts_within_frames 3 game.c \
-    '^frame [0-9]*: [0-9]* meets [0-9]* at t = 0\.[1-9]'
+# If it failed, the first program that somebody tries would not work, or be longer than is said.
+awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/README.md" >fall.py
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
+if [ -n "$python" ]; then
+    "$python" fall.py >"$log" 2>&1 && [ "$(wc -l <fall.py)" -le 12 ] &&
+        [ "$(cat "$log")" = "vertex 3 hits face 0 at t = 0.500" ]
+    tap_result $? readme__program_works "$log"
+else
+    tap_skip readme__program_works "$no_python"
+fi
 awk '/^```/ { fence = !fence; next } fence' "$top_srcdir/client/man/libpccd.3.scd" >program.c
 check_program page__program_of_libpccd_works 1 program.c '^vertex-face at t = 0\.\(5\|4999\)'
 
