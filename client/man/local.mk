@@ -40,7 +40,8 @@ synopsis-doc: pccdctl$(EXEEXT)
 .PHONY: synopsis-doc
 
 # The documents as pages for a browser, in build/site; open index.html. It needs mandoc and the
-# Python module markdown (python3-markdown), and nothing of the network.
+# Python module markdown (python3-markdown), and nothing of the network; what else it takes where
+# it is installed, make_site.py says.
 site: $(dist_man_MANS)
 	@for python in '$(PYTHON3)' /usr/bin/python3; do \
 	    "$$python" -c 'import markdown' 2>/dev/null || continue; \
@@ -50,6 +51,11 @@ site: $(dist_man_MANS)
 	        '$(abs_top_builddir)' '$(abs_top_builddir)/site'; \
 	done; echo 'make site needs mandoc and python3-markdown' >&2; exit 1
 .PHONY: site
+
+# The pictures of the recipes, anew, after a change of what pccdctl draws.
+site-pictures: all
+	$(AM_V_GEN)$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/tests/docs/site_pictures.sh
+.PHONY: site-pictures
 clean-local: clean-site
 clean-site:
 	rm -rf site
