@@ -217,7 +217,8 @@ static void print_limits(void)
     LIMIT(PROTO_SCENES_PER_CLIENT, "scenes of a client (default)");
     LIMIT(PROTO_SHARED_PER_CLIENT, "scenes that a client shares with others");
     LIMIT(PROTO_OBJECTS_PER_SCENE, "objects of a scene");
-    LIMIT(PROTO_IGNORED_PER_SCENE, "pairs of objects of a scene that ignore each other");
+    LIMIT(PROTO_IGNORED_PER_SCENE,
+          "pairs of objects of a scene that ignore each other, or have a clearance");
     LIMIT(PROTO_CLIENTS_PER_UID, "clients of a user (default)");
     LIMIT(PROTO_SHM_BYTES_PER_UID,
           "bytes of shared memory of a user; an eighth of the machine's if that is more "

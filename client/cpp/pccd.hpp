@@ -947,6 +947,16 @@ public:
     {
         try_ignore(a, b, ignored).value();
     }
+    // Let two objects meet within a clearance, at least 0, in the place of their radii.
+    result<done> try_keep_clearance(const object &a, const object &b, double clearance)
+    {
+        return handle::finish(
+            pccd_pair_clearance(connection().get(), id(), a.id(), b.id(), clearance));
+    }
+    void keep_clearance(const object &a, const object &b, double clearance)
+    {
+        try_keep_clearance(a, b, clearance).value();
+    }
 
 private:
     friend class client;

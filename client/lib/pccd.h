@@ -405,7 +405,8 @@ struct pccd_scene_news {
  * metres): it touches a body of radius 0 when their surfaces are 1 mm apart, and itself
  * when they are 2 mm apart. A pair meets when its Euclidean distance is at most r = the
  * radius of a + the radius of b + the step's separation, the exact sum of three doubles;
- * within one object its radius counts twice.
+ * within one object its radius counts twice. Two objects may have a clearance in the
+ * place of their radii (pccd_pair_clearance).
  *
  * Within one object what lies close together at rest would meet all the time. So pairs
  * lose their radii and the separation, and meet as features without thickness do, if
@@ -440,14 +441,24 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
  * which it has done neither. E_INVAL: a pointer is NULL. */
 int pccd_user_data(struct pccd_client *client, uint32_t scene, const uint32_t *objects,
                    uint64_t count, uint64_t *user_data);
-/* Make two objects ignore each other, or (ignored = false) meet again. Asking twice is
- * the same as once; removing either object ends it. Errors as above, and E_LIMIT: 262144
- * pairs of the scene ignore each other already. In a shared scene E_ACCESS: neither
- * object is this client's (pccd_object_set: the object is not). When another daemon takes
- * the place of one that was lost, it is not told of pairs with another client's object,
- * because that comes back as a new object. */
+/* Make two objects ignore each other, or (ignored = false) meet again, by their radii.
+ * Asking twice is the same as once; removing either object ends it. Errors as above, and
+ * E_LIMIT: 262144 pairs of the scene ignore each other already, or have a clearance. In a
+ * shared scene E_ACCESS: neither object is this client's (pccd_object_set: the object is
+ * not). When another daemon takes the place of one that was lost, it is not told of pairs
+ * with another client's object, because that comes back as a new object. */
 int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
                      uint32_t object_b, bool ignored);
+/* Have two objects meet in steps where their distance is at most r = clearance + the
+ * step's separation: it takes the place of the radii of both, whatever these are. So a
+ * pin may touch its hole, at 0, where features meet that pass through each other, while a
+ * handle may not come within 0.3 mm of anything. It ends as pccd_pair_ignore says; of the
+ * two calls the last one counts. Questions about what is near go by the radii; a step
+ * with tells_start and an approach is E_INVAL while two objects of its scene have a
+ * clearance. clearance: 0 .. 1e18, in the unit of coordinates. Errors as of
+ * pccd_pair_ignore, and E_INVAL, E_LIMIT: no such clearance. */
+int pccd_pair_clearance(struct pccd_client *client, uint32_t scene, uint32_t object_a,
+                        uint32_t object_b, double clearance);
 
 /* ---- steps ------------------------------------------------------------------------- */
 

@@ -175,12 +175,18 @@ static int write_filter(struct pccd_client *client,
 static int write_pair(struct pccd_client *client,
                       const struct proto_SCENE_IGNORE_request *request, cli_record_fn add)
 {
+    const struct record_clearance apart = {.scene = request->scene,
+                                           .a = request->a,
+                                           .b = request->b,
+                                           .clearance = request->clearance};
     const struct record_pairs pairs = {
         .scene = request->scene, .ignored = request->ignored, .count = 1};
     const uint32_t pair[2] = {request->a, request->b};
     const struct record_part parts[2] = {{&pairs, sizeof pairs}, {pair, sizeof pair}};
 
-    return add(client, RECORD_PAIRS, parts, 2);
+    return request->has_clearance ? add(client, RECORD_CLEARANCE,
+                                        &(struct record_part){&apart, sizeof apart}, 1)
+                                  : add(client, RECORD_PAIRS, parts, 2);
 }
 
 int cli_record_change(struct pccd_client *client, int method,

@@ -100,13 +100,17 @@ static void set_object(struct pccd_client *client,
     }
 }
 
-static void ignore_pair(struct pccd_client *client,
-                        const struct proto_SCENE_IGNORE_request *pair)
+static void set_pair(struct pccd_client *client,
+                     const struct proto_SCENE_IGNORE_request *pair)
 {
     struct registry_scene *scene = registry_scene(&client->registry, pair->scene);
+    const struct registry_pair said = {.a = pair->a,
+                                       .b = pair->b,
+                                       .ignored = pair->ignored,
+                                       .has_clearance = pair->has_clearance,
+                                       .clearance = pair->clearance};
 
-    if (scene != NULL &&
-        registry_pairs_note(&scene->ignored, pair->a, pair->b, pair->ignored) != 0) {
+    if (scene != NULL && registry_pairs_note(&scene->pairs, &said) != 0) {
         keep_nothing(client);
     }
 }
@@ -148,7 +152,7 @@ void cli_replica_answer(struct pccd_client *client, struct cli_call *call)
         set_object(client, &call->params.OBJECT_SET);
         break;
     case PROTO_METHOD_SCENE_IGNORE:
-        ignore_pair(client, &call->params.SCENE_IGNORE);
+        set_pair(client, &call->params.SCENE_IGNORE);
         break;
     case PROTO_METHOD_MESH_DESTROY:
         destroy_mesh(client, call->params.MESH_DESTROY.mesh);

@@ -71,7 +71,7 @@ static int restore_filters(struct cli_pipeline *pipeline, struct registry_scene 
 {
     int status;
 
-    registry_pairs_settle(&scene->ignored);
+    registry_pairs_settle(&scene->pairs);
     status = check_filters(pipeline->client, scene);
     for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
         const struct registry_object *object = &scene->objects[i];
@@ -84,11 +84,14 @@ static int restore_filters(struct cli_pipeline *pipeline, struct registry_scene 
                                        CLI_SLOT_NONE, NULL);
         }
     }
-    for (uint32_t i = 0; status == 0 && i < scene->ignored.count; i++) {
+    for (uint32_t i = 0; status == 0 && i < scene->pairs.count; i++) {
+        const struct registry_pair *pair = &scene->pairs.said[i];
         struct proto_SCENE_IGNORE_request ignore = {.scene = scene->handle,
-                                                    .a = scene->ignored.said[i].a,
-                                                    .b = scene->ignored.said[i].b,
-                                                    .ignored = true};
+                                                    .a = pair->a,
+                                                    .b = pair->b,
+                                                    .ignored = pair->ignored,
+                                                    .has_clearance = pair->has_clearance,
+                                                    .clearance = pair->clearance};
 
         /* Of a scene that is shared, others bring their objects back as they can. */
         if (registry_object(scene, ignore.a) != NULL &&

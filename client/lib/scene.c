@@ -225,18 +225,37 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
     return status;
 }
 
-int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
-                     uint32_t object_b, bool ignored)
+static int set_pair(struct pccd_client *client, uint64_t feature,
+                    const struct proto_SCENE_IGNORE_request *request)
 {
-    struct proto_SCENE_IGNORE_request request = {
-        .scene = scene, .a = object_a, .b = object_b, .ignored = ignored};
     int status;
 
     CLI_ENTER_OR_RETURN(client);
-    status = cli_check_feature(client, PROTO_FEATURE_FILTERS, "scene.ignore");
+    status = cli_check_feature(client, feature, "scene.ignore");
     return status != 0 ? status
-                       : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, &request, NULL,
+                       : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, request, NULL,
                                        cli_deadline(client, -1));
+}
+
+int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
+                     uint32_t object_b, bool ignored)
+{
+    const struct proto_SCENE_IGNORE_request request = {
+        .scene = scene, .a = object_a, .b = object_b, .ignored = ignored};
+
+    return set_pair(client, PROTO_FEATURE_FILTERS, &request);
+}
+
+int pccd_pair_clearance(struct pccd_client *client, uint32_t scene, uint32_t object_a,
+                        uint32_t object_b, double clearance)
+{
+    const struct proto_SCENE_IGNORE_request request = {.scene = scene,
+                                                       .a = object_a,
+                                                       .b = object_b,
+                                                       .has_clearance = true,
+                                                       .clearance = clearance};
+
+    return set_pair(client, PROTO_FEATURE_CLEARANCE, &request);
 }
 
 /* ---- what its hierarchies look like ------------------------------------------------ */

@@ -66,6 +66,8 @@ static uint32_t kind_feature(uint16_t kind)
         return RECORD_FEATURE_TELLS;
     case RECORD_TURNING:
         return RECORD_FEATURE_TURNING;
+    case RECORD_CLEARANCE:
+        return RECORD_FEATURE_CLEARANCE;
     case RECORD_FILTER:
     case RECORD_PAIRS:
         return RECORD_FEATURE_FILTERS;

@@ -22,7 +22,7 @@
  * |---|---|
  * | BEGIN | nothing |
  * | MESH | vertices (padded to 8), triangles: made, or replaced if it is known |
- * | SCENE, OBJECT, *_GONE, CANCEL, LOG, TELLS, TURNING, END | nothing |
+ * | SCENE, OBJECT, *_GONE, CANCEL, LOG, TELLS, TURNING, CLEARANCE, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
  * | ANSWER | nothing |
@@ -77,7 +77,8 @@
     X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
     X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
     X(TELLS, 26, "what the next FRAME, MOVE or NEAR tells, too")                         \
-    X(TURNING, 27, "something turns in the next FRAME, MOVE or NEAR, or may be possible")
+    X(TURNING, 27, "something turns in the next FRAME, MOVE or NEAR, or is possible")    \
+    X(CLEARANCE, 28, "two objects have a clearance in the place of their radii")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -97,7 +98,8 @@ enum record_feature {
     RECORD_FEATURE_TELLS = 64,     /* TELLS */
     RECORD_FEATURE_TOUCHING = 128, /* more than 1 in TELLS */
     RECORD_FEATURE_TURNING = 256,  /* TURNING, and segments with joints */
-    RECORD_FEATURES = 511          /* all of them */
+    RECORD_FEATURE_CLEARANCE = 512, /* CLEARANCE */
+    RECORD_FEATURES = 1023          /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

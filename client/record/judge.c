@@ -35,6 +35,7 @@ static_assert(sizeof(struct record_near_answer) == 328, "near answer");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(RECORD_FILTER_BYTES == 32, "filter of before");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
+static_assert(sizeof(struct record_clearance) == 24, "clearance");
 static_assert(sizeof(struct record_guest) == 16, "guest");
 
 #define COUNT_MAX   2147483647u
@@ -387,6 +388,16 @@ static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEX
     return PCCD_OK;
 }
 
+static int judge_clearance(const void *payload, char text[RECORD_TEXT_BYTES])
+{
+    struct record_clearance is;
+
+    memcpy(&is, payload, sizeof is);
+    return is.a == is.b               ? bad(text, "a pair of one object")
+           : !is_length(is.clearance) ? bad(text, "a clearance that is none")
+                                      : PCCD_OK;
+}
+
 /* Return the bytes of the struct that a payload begins with; 0: any. is_all: it ends with
  * it. */
 static uint64_t head_bytes(uint16_t kind, bool *is_all)
@@ -404,6 +415,7 @@ static uint64_t head_bytes(uint16_t kind, bool *is_all)
         HEAD(SEPARATION, separation)
         HEAD(TELLS, tells)
         HEAD(TURNING, turning)
+        HEAD(CLEARANCE, clearance)
         HEAD(ANSWER, answer)
         HEAD(NEAR_ANSWER, near_answer)
         HEAD(CANCEL, cancel)
@@ -573,6 +585,8 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
         return judge_handles(kind, payload, text);
     case RECORD_PAIRS:
         return judge_pairs(payload, bytes, text);
+    case RECORD_CLEARANCE:
+        return judge_clearance(payload, text);
     case RECORD_RADII:
         return judge_radii(payload, bytes, text);
     case RECORD_FREE:

@@ -220,6 +220,13 @@ struct record_pairs {
     uint32_t reserved;
 };
 
+struct record_clearance {
+    uint32_t scene;
+    uint32_t a, b; /* two objects; what PAIRS says of them later ends it */
+    uint32_t reserved;
+    double clearance; /* 0 .. 1e18 */
+};
+
 struct record_guest {
     uint32_t scene;
     uint32_t object;

@@ -192,7 +192,7 @@ void registry_remove_scene(struct registry *registry, struct registry_scene *sce
         registry->last_scene = scene->prev;
     }
     registry_map_remove(&registry->scene_map, scene->handle);
-    registry_pairs_deinit(&scene->ignored);
+    registry_pairs_deinit(&scene->pairs);
     free(scene->objects);
     free(scene);
 }
@@ -297,7 +297,7 @@ void registry_remove_object(struct registry *registry, struct registry_scene *sc
                             struct registry_object *object)
 {
     assert(object >= scene->objects && object < scene->objects + scene->object_count);
-    registry_pairs_forget(&scene->ignored, object->handle);
+    registry_pairs_forget(&scene->pairs, object->handle);
     empty_object(registry, object);
     scene->object_count--;
     memmove(object, object + 1,
@@ -369,7 +369,7 @@ void registry_set_object(struct registry_object *object, uint32_t what,
 
 bool registry_is_filtered(const struct registry_scene *scene)
 {
-    bool any = scene->ignored.count > 0;
+    bool any = scene->pairs.count > 0;
 
     for (uint32_t i = 0; i < scene->object_count && !any; i++) {
         any = scene->objects[i].what != 0;
@@ -380,12 +380,15 @@ bool registry_is_filtered(const struct registry_scene *scene)
 bool registry_may_meet(const struct registry_scene *scene,
                        const struct registry_object *a, const struct registry_object *b)
 {
+    const struct registry_pair *pair;
+
     if (a == b) {
         return a->attributes.self_collision;
     }
+    pair = registry_pairs_find(&scene->pairs, a->handle, b->handle);
     return (a->attributes.group & b->attributes.mask) != 0 &&
            (b->attributes.group & a->attributes.mask) != 0 &&
-           !registry_pairs_has(&scene->ignored, a->handle, b->handle);
+           (pair == NULL || !pair->ignored);
 }
 
 void registry_deinit(struct registry *registry)

@@ -35,13 +35,15 @@ bool registry_map_get(const struct registry_map *map, uint32_t handle, uint64_t 
 void registry_map_remove(struct registry_map *map, uint32_t handle);
 void registry_map_deinit(struct registry_map *map);
 
-/* ---- Remembers which pairs of objects ignore each other. */
+/* ---- Remembers which pairs of objects ignore each other, or have a clearance. */
 
 struct registry_pair {
     uint32_t a; /* handles, the lesser first */
     uint32_t b;
     uint32_t order; /* in which they were told */
     bool ignored;
+    bool has_clearance; /* in the place of their radii; then they are not ignored */
+    double clearance;
 };
 
 /* The pairs that were named; the last word on a pair counts. All zero: nothing. */
@@ -52,18 +54,26 @@ struct registry_pairs {
     bool is_unsettled; /* the last word on a pair may not be the only one */
 };
 
-/* Note whether a pair of objects ignore each other. Returns 0 or PCCD_E_NOMEM: it has not
- * been noted. */
-int registry_pairs_note(struct registry_pairs *pairs, uint32_t a, uint32_t b,
-                        bool ignored);
+/* Note what is said of a pair of objects, the lesser of which need not be the first.
+ * Returns 0 or PCCD_E_NOMEM: it has not been noted. */
+int registry_pairs_note(struct registry_pairs *pairs, const struct registry_pair *said);
 /* Forget what was said of an object that is gone. O(count). */
 void registry_pairs_forget(struct registry_pairs *pairs, uint32_t object);
-/* Leave those that ignore each other, each once, in the order of their handles. Nothing
- * where nothing was told since the last time, else O(count log count). */
+/* Leave those that ignore each other or have a clearance, each once, in the order of
+ * their handles. Nothing where nothing was told since the last time, else O(count log
+ * count). */
 void registry_pairs_settle(struct registry_pairs *pairs);
-/* Return whether two objects ignore each other. O(log count), of pairs that are settled.
- */
-bool registry_pairs_has(const struct registry_pairs *pairs, uint32_t a, uint32_t b);
+/* Return what is said of two objects; NULL: nothing. O(log count), of pairs that are
+ * settled. */
+const struct registry_pair *registry_pairs_find(const struct registry_pairs *pairs,
+                                                uint32_t a, uint32_t b);
+/* Return the clearance of two objects; negative: they have none, or are one. The pairs
+ * are settled. */
+double registry_pairs_clearance(const struct registry_pairs *pairs, uint32_t a,
+                                uint32_t b);
+/* Return half of the largest clearance of an object, at least 0. O(count), of pairs that
+ * are settled. */
+double registry_pairs_half_clearance(const struct registry_pairs *pairs, uint32_t object);
 void registry_pairs_deinit(struct registry_pairs *pairs);
 
 /* ---- The structs of a registry: meshes, scenes and objects. */
@@ -145,7 +155,7 @@ struct registry_scene {
     struct registry_object *objects; /* in the order of their handles */
     uint32_t object_count;
     uint32_t object_room;
-    struct registry_pairs ignored;
+    struct registry_pairs pairs;
     bool is_made;   /* another daemon has it, for whoever tells it */
     bool is_told;   /* ... and all its objects */
     bool is_placed; /* ... and knows where they are */

@@ -1,4 +1,4 @@
-/* registry_pairs.c - pairs of objects that ignore each other. */
+/* registry_pairs.c - pairs of objects that ignore each other, or have a clearance. */
 #include "registry.h"
 
 #include <assert.h>
@@ -39,7 +39,7 @@ void registry_pairs_settle(struct registry_pairs *pairs)
         bool is_last = i + 1 == pairs->count || pairs->said[i + 1].a != pair->a ||
                        pairs->said[i + 1].b != pair->b;
 
-        if (is_last && pair->ignored) {
+        if (is_last && (pair->ignored || pair->has_clearance)) {
             pairs->said[kept] = *pair;
             pairs->said[kept].order = kept;
             kept++;
@@ -71,16 +71,17 @@ static int make_room(struct registry_pairs *pairs)
     return 0;
 }
 
-int registry_pairs_note(struct registry_pairs *pairs, uint32_t a, uint32_t b,
-                        bool ignored)
+int registry_pairs_note(struct registry_pairs *pairs, const struct registry_pair *said)
 {
     int status = make_room(pairs);
 
     if (status == 0) {
-        pairs->said[pairs->count] = (struct registry_pair){.a = a < b ? a : b,
-                                                           .b = a < b ? b : a,
-                                                           .order = pairs->count,
-                                                           .ignored = ignored};
+        struct registry_pair *pair = &pairs->said[pairs->count];
+
+        *pair = *said;
+        pair->a = said->a < said->b ? said->a : said->b;
+        pair->b = said->a < said->b ? said->b : said->a;
+        pair->order = pairs->count;
         assert(pairs->count < pairs->room);
         pairs->count++;
         pairs->is_unsettled = true;
@@ -102,7 +103,8 @@ void registry_pairs_forget(struct registry_pairs *pairs, uint32_t object)
     pairs->count = kept;
 }
 
-bool registry_pairs_has(const struct registry_pairs *pairs, uint32_t a, uint32_t b)
+const struct registry_pair *registry_pairs_find(const struct registry_pairs *pairs,
+                                                uint32_t a, uint32_t b)
 {
     const struct registry_pair key = {.a = a < b ? a : b, .b = a < b ? b : a};
     uint32_t first = 0;
@@ -114,7 +116,7 @@ bool registry_pairs_has(const struct registry_pairs *pairs, uint32_t a, uint32_t
         const struct registry_pair *pair = &pairs->said[middle];
 
         if (pair->a == key.a && pair->b == key.b) {
-            return true;
+            return pair;
         }
         if (pair->a < key.a || (pair->a == key.a && pair->b < key.b)) {
             first = middle + 1;
@@ -122,7 +124,31 @@ bool registry_pairs_has(const struct registry_pairs *pairs, uint32_t a, uint32_t
             end = middle;
         }
     }
-    return false;
+    return NULL;
+}
+
+double registry_pairs_clearance(const struct registry_pairs *pairs, uint32_t a,
+                                uint32_t b)
+{
+    const struct registry_pair *pair =
+        pairs->count > 0 && a != b ? registry_pairs_find(pairs, a, b) : NULL;
+
+    return pair != NULL && pair->has_clearance ? pair->clearance : -1;
+}
+
+double registry_pairs_half_clearance(const struct registry_pairs *pairs, uint32_t object)
+{
+    double most = 0;
+
+    for (uint32_t i = 0; i < pairs->count; i++) {
+        const struct registry_pair *pair = &pairs->said[i];
+
+        if (pair->has_clearance && (pair->a == object || pair->b == object) &&
+            pair->clearance / 2 > most) {
+            most = pair->clearance / 2;
+        }
+    }
+    return most;
 }
 
 void registry_pairs_deinit(struct registry_pairs *pairs)

@@ -125,7 +125,8 @@ bool eng_step_can_be_brief(const struct eng_scene *scene,
 {
     assert(scene && question);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    if (!can_be_brief(question) || scene->thickness.may_have_radii) {
+    if (!can_be_brief(question) || scene->thickness.may_have_radii ||
+        eng_masks_have_clearances(&scene->masks)) {
         return false;
     }
     if (!is_staged && is_at_rest(scene, question)) {
@@ -156,6 +157,13 @@ static bool lengths_are_valid(const struct eng_question *question)
     return question->distance >= 0 && question->distance < INFINITY &&
            question->resolution >= 0 && question->resolution <= SEPARATION_MAX &&
            question->approach >= 0 && question->approach < 1;
+}
+
+bool eng_step_refuses_start(const struct eng_scene *scene,
+                            const struct eng_question *question)
+{
+    return question->tells_start && question->approach > 0 &&
+           eng_masks_have_clearances(&scene->masks);
 }
 
 /* A part of a step neither says how the step begins nor can be brief. */
@@ -191,7 +199,8 @@ static bool objects_turn(const struct eng_scene *scene,
 static int check(const struct eng_scene *scene, const struct eng_question *question)
 {
     if (!settings_are_valid(question) || (question->brief && !can_be_brief(question)) ||
-        (objects_turn(scene, question) && eng_turning_refuses(question))) {
+        (objects_turn(scene, question) && eng_turning_refuses(question)) ||
+        eng_step_refuses_start(scene, question)) {
         return PCCD_E_INVAL;
     }
     return question->distance <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;

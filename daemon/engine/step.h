@@ -22,6 +22,11 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
  * Without it each has its own; no answer depends on it. PCCD_E_STATE, PCCD_E_NOMEM. */
 int eng_mesh_sort_features(struct eng_mesh *mesh, uint32_t threads);
 
+/* Return whether the step would count what begins within r, where that is not the same
+ * sum for all pairs: some have a clearance. Such a step is PCCD_E_INVAL. */
+bool eng_step_refuses_start(const struct eng_scene *scene,
+                            const struct eng_question *question);
+
 /* Run the step that was staged on `scene` (without staging: everything stands still; of a
  * part, question->span: the last step once more).
  * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (below): positions

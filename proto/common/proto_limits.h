@@ -30,6 +30,7 @@
 #define PROTO_FEATURE_TELLS   2048u /* tells_start, tells_crossings */
 #define PROTO_FEATURE_TOUCHING 4096u /* what becomes of what touches */
 #define PROTO_FEATURE_TURNING  8192u /* bodies that hang on joints; resolution */
+#define PROTO_FEATURE_CLEARANCE 16384u /* of two objects, in scene.ignore */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u
@@ -61,7 +62,9 @@
 #define PROTO_SCENES_PER_CLIENT 65536u /* as many as a batch has */
 #define PROTO_SHARED_PER_CLIENT 64u    /* of these, shared with others */
 #define PROTO_OBJECTS_PER_SCENE 65536u
-#define PROTO_IGNORED_PER_SCENE (1u << 18)  /* pairs of objects that ignore each other */
+#define PROTO_IGNORED_PER_SCENE                                                          \
+    (1u << 18)                              /* pairs of objects that ignore each other,
+                                             or have a clearance */
 #define PROTO_STEP_MAX_MS       86400000u   /* that a step may be let compute: a day */
 #define PROTO_CONTACTS_PER_STEP (16u << 20) /* records the daemon keeps for one answer */
 

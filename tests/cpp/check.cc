@@ -126,6 +126,15 @@ void check_step(pccd::client &client)
     tell(firsts->total == 1 && scene.user_data(0) == 0 &&
              scene.user_data(object.id()) == ~std::uint64_t{6},
          "user_data__is_of_the_object");
+
+    const pccd::object other = scene.add(mesh);
+    scene.ignore(object, other);
+    settings.separation = 0;
+    const auto met = scene.step(pccd::to(object, two), settings)->total;
+    scene.keep_clearance(object, other, 100);
+    tell(scene.step(pccd::to(object, two), settings)->total == met + 1 &&
+             scene.try_keep_clearance(object, other, -1).status() == PCCD_E_INVAL,
+         "clearance__is_of_two_objects");
 }
 
 // If one failed, surfaces that pass through each other from the start would be taken for

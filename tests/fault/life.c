@@ -323,10 +323,10 @@ static bool set_filters(struct life *life, const struct belongings *has)
                                                  .what =
                                                      PCCD_OBJECT_GROUP | PCCD_OBJECT_SELF,
                                                  .group = 2};
-    const struct proto_SCENE_IGNORE_request ignore = {has->scene, has->floor, has->sheet,
-                                                      true};
-    const struct proto_SCENE_IGNORE_request heed = {has->scene, has->floor, has->sheet,
-                                                    false};
+    const struct proto_SCENE_IGNORE_request ignore = {
+        .scene = has->scene, .a = has->floor, .b = has->sheet, .ignored = true};
+    const struct proto_SCENE_IGNORE_request heed = {
+        .scene = has->scene, .a = has->floor, .b = has->sheet, .has_clearance = true};
     struct proto_OBJECT_SET_result now;
     bool all = ask(life, PROTO_METHOD_OBJECT_SET, &set, &now) &&
                ask(life, PROTO_METHOD_SCENE_IGNORE, &ignore, NULL) &&

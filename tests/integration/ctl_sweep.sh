@@ -220,6 +220,36 @@ jams --clearance 0.1 --json hinge.urdf && holds jams pin 0.42343135397717 1e-6 &
         b - a < 1e-5 } END { exit !ok }' out
 report "a clearance jams earlier; the least distance is found"
 
+# Otherwise two parts would keep another clearance than their own, or none, or it would be
+# added to the others'; or its words would mean something else.
+jams --clearance 9 --clearance leaf,post=0.1 --json hinge.urdf &&
+    holds jams pin 0.42343135397717 1e-6 && [ "$(grep -c '"clearance": 0.1' out)" = 1 ] &&
+    jams --clearance 0.1 --clearance post,leaf=0 --json hinge.urdf &&
+    holds jams pin 0.52359877559829887 1e-6 &&
+    cat >hinge.json <<'EOF' && for part in leaf post; do
+{"pccd_scene": 1, "objects": [{"name": "post", "files": ["post.obj"], "thickness": 5},
+  {"name": "leaf", "files": ["leaf.obj"], "joint": "pin"}, {"name": "far", "files": ["far.obj"]}],
+ "joints": [{"name": "pin", "type": "revolute", "axis": [0, 0, 1], "range": [0, 1.5]}],
+ "ignore": [["far", "leaf"]], "clearance": [["leaf", "post", 0.1]]}
+EOF
+    [ $part = post ] && box="0.6660254037844387 0.8660254037844387 0.5 0.7 -0.15 0.15" ||
+        box="0.5 1.5 -0.2 0 -0.05 0.05"
+    echo "$box" | awk '{ for (i = 0; i < 8; i++)
+            print "v", $(1 + i % 2), $(3 + int(i / 2) % 2), $(5 + int(i / 4))
+        print "f 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4"
+        print "f 1 5 7\nf 1 7 3\nf 2 4 8\nf 2 8 6" }' >$part.obj
+done && sed 's/^v /v 9/' post.obj >far.obj && jams --json hinge.json &&
+    holds jams pin 0.42343135397717 1e-6 &&
+    fails 4 'two parts have a clearance' sweep --least 1e-3 hinge.json &&
+    fails 4 '--clearance: "leaf,leaf=1" does not name two' sweep --clearance leaf,leaf=1 hinge.urdf &&
+    ends 2 '"-1" is no number' sweep --clearance leaf,post=-1 hinge.urdf &&
+    ends 2 'not two names' sweep --clearance leaf=1 hinge.urdf &&
+    sed 's/"post", 0.1/"post"/' hinge.json >bad.json &&
+    fails 4 'a pair of "clearance" is ["name", "name", distance]' sweep bad.json &&
+    sed 's/"post", 0.1/"post", -1/' hinge.json >bad.json &&
+    fails 4 'a clearance is a number from 0' sweep bad.json
+report "two parts have a clearance of their own, in the place of all others"
+
 # Otherwise to look at the boxes of a step in which bodies turn, which has none, would end the
 # daemon, and the answers behind it would be others than the recorded ones.
 timeout 60 "$PCCDCTL" record --contacts -o t.rec -- "$PCCDCTL" sweep hinge.urdf >out 2>err

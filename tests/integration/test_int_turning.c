@@ -248,6 +248,57 @@ CASE(turning__is_recorded_repeated_and_verified_as_far_as_that_goes)
     assert_int_equal(test_ctl_number(said, "turning"), 0);
 }
 
+/* Return when the door first comes near the post, seen from the pin; 0: it does not. */
+static double first_angle(struct hall *hall)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    hinge(hall, PI / 2);
+    assert_ok(turn(hall, DEFAULTS, &answer));
+    double angle = answer.total > 0 ? answer.toi_first * PI / 2 : 0;
+    pccd_answer_release(hall->client, &answer);
+    return angle;
+}
+
+/* If this failed, a part that may touch another one would jam before it does, or one that
+ * must not come near would; or the next daemon would not know of that. */
+CASE(turning__knows_the_clearance_of_two_objects)
+{
+    const char *const options[] = {"--supervise", "--threads", "1", NULL};
+    const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS, .radius = 0.1};
+    const double near = ANGLE - asin(0.04 / 0.5);
+    struct hall hall = {.client = NULL};
+    struct test_daemon daemon;
+
+    assert_true(test_daemon_start(&daemon, options));
+    hall.client = test_client_at(daemon.url);
+    make(&hall);
+    assert_ok(pccd_object_set(hall.client, hall.scene, hall.door, &thick));
+    assert_true(fabs(first_angle(&hall) - (ANGLE - asin(0.2))) < 1e-5);
+    assert_ok(pccd_pair_clearance(hall.client, hall.scene, hall.post, hall.door, 0));
+    assert_true(fabs(first_angle(&hall) - ANGLE) < 1e-5);
+    assert_ok(pccd_pair_clearance(hall.client, hall.scene, hall.door, hall.post, 0.04));
+    assert_true(fabs(first_angle(&hall) - near) < 1e-5);
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(hall.client), SIGKILL), 0);
+    assert_true(fabs(first_angle(&hall) - near) < 1e-5);
+    assert_int_equal(
+        pccd_pair_clearance(hall.client, hall.scene, hall.door, hall.post, -0.04),
+        PCCD_E_INVAL);
+    assert_int_equal(
+        pccd_pair_clearance(hall.client, hall.scene, hall.door, hall.post, 1e19),
+        PCCD_E_LIMIT);
+    assert_int_equal(
+        pccd_pair_clearance(hall.client, hall.scene, hall.door, hall.door, 1),
+        PCCD_E_INVAL);
+    assert_ok(pccd_pair_ignore(hall.client, hall.scene, hall.door, hall.post, true));
+    assert_true(first_angle(&hall) == 0);
+    assert_ok(pccd_pair_ignore(hall.client, hall.scene, hall.door, hall.post, false));
+    assert_true(fabs(first_angle(&hall) - (ANGLE - asin(0.2))) < 1e-5);
+    pccd_close(hall.client);
+    (void)test_daemon_end(&daemon, SIGTERM, 10000);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 /* If this failed, the bodies of several sessions could not turn over the same time, or a
  * recording of it would be of something else. */
 CASE(turning__of_held_frames_goes_along_and_is_recorded)

@@ -33,8 +33,10 @@ static int tear_down(void **state)
 
 CASES_WITH(set_up, tear_down);
 
-/* A door that turns about z by `angle`, against a post whose upright edge is at ANGLE. */
-static void record_door(double angle, enum pccd_mode mode, uint64_t due)
+/* A door that turns about z by `angle`, against a post whose upright edge is at ANGLE; a
+ * clearance of the two, if it is not negative. */
+static void record_clear(double angle, enum pccd_mode mode, double clearance,
+                         uint64_t due)
 {
     static const double door_x[4][3] = {
         {0.125, 0, -1}, {1, 0, -1}, {1, 0, 1}, {0.125, 0, 1}};
@@ -51,12 +53,18 @@ static void record_door(double angle, enum pccd_mode mode, uint64_t due)
     struct pccd_client *client = test_client_at(test_shared.url);
 
     test_recording_clear();
-    assert_ok(pccd_record_start(client, test_recording, &kept));
     uint32_t scene = test_scene(client);
     uint32_t door = test_object(
         client, scene, test_mesh(client, door_x, PCCD_FORMAT_F64, 4, door_faces, 2));
-    test_object(client, scene,
-                test_mesh(client, post_x, PCCD_FORMAT_F64, 3, post_face, 1));
+    uint32_t post = test_object(
+        client, scene, test_mesh(client, post_x, PCCD_FORMAT_F64, 3, post_face, 1));
+    if (clearance >= 0) { /* before and in the recording */
+        assert_ok(pccd_pair_clearance(client, scene, door, post, 0.25));
+    }
+    assert_ok(pccd_record_start(client, test_recording, &kept));
+    if (clearance >= 0) {
+        assert_ok(pccd_pair_clearance(client, scene, door, post, clearance));
+    }
     assert_ok(pccd_joints_screw((double[3]){0, 0, 0}, (double[3]){0, 0, 1}, angle, 0,
                                 PCCD_NO_JOINT, joints, &count));
     const struct pccd_motion motion = {.object = door, .first = count - 1, .count = 4};
@@ -69,7 +77,12 @@ static void record_door(double angle, enum pccd_mode mode, uint64_t due)
     pccd_close(client);
 }
 
-/* Copy the recording; the door turns by another angle there. */
+static void record_door(double angle, enum pccd_mode mode, uint64_t due)
+{
+    record_clear(angle, mode, -1, due);
+}
+
+/* Copy the recording; the door turns by another angle there, or has another clearance. */
 static void forge(double was, double angle)
 {
     struct record_writer writer = {.fd = -1};
@@ -86,7 +99,9 @@ static void forge(double was, double angle)
 
         assert_non_null(copy);
         memcpy(copy, view.payload, view.bytes);
-        for (uint64_t i = 0; view.kind == RECORD_FRAME && i + 8 <= view.bytes; i += 8) {
+        for (uint64_t i = 0; i + 8 <= view.bytes &&
+                             (view.kind == RECORD_FRAME || view.kind == RECORD_CLEARANCE);
+             i += 8) {
             if (memcmp(copy + i, &was, 8) == 0) {
                 memcpy(copy + i, &angle, 8);
                 changed++;
@@ -150,4 +165,28 @@ CASE(verify_turning__finds_what_is_wrong)
     record_door(SHORT, PCCD_MODE_ANY, 0);
     forge(SHORT, PI / 2);
     assert_wrong("a contact is missing in the answer");
+}
+
+/* If it failed, a contact that is no nearer than the clearance of its two objects, or one
+ * that is missing, would be taken for right. */
+CASE(verify_turning__knows_clearances)
+{
+    const double near = 0.0625;
+    char said[8192];
+
+    record_clear(PI / 2, PCCD_MODE_FIRST, near, 3);
+    assert_int_equal(test_recording_features(test_recording) & RECORD_FEATURE_CLEARANCE,
+                     RECORD_FEATURE_CLEARANCE);
+    assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
+    assert_int_equal(test_ctl_number(said, "contacts"), 3);
+    assert_int_equal(test_recording_repeats("--json", test_recording, 1), 1);
+    forge(near, 0.125);
+    assert_wrong("meet before the record's time");
+    forge(near, 0.03125);
+    assert_wrong("are apart until after its time");
+    record_clear(0.75, PCCD_MODE_ALL, near, 0);
+    forge(near, 0.25);
+    assert_wrong("a contact is missing in the answer");
+    record_clear(0.75, PCCD_MODE_ANY, near, 0);
+    assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
 }

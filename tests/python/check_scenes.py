@@ -86,6 +86,14 @@ class Filters(Supervised):
         self.assertEqual(alone + others, both)
         client.pair_ignore(scene, self.tent, self.floor, False)
         self.assertEqual(client.list_pairs(scene), [])
+        client.pair_clearance(scene, self.tent, self.floor, 1e9)
+        self.assertTrue(self.total() > both)
+        self.assertEqual(client.list_pairs(scene), [])
+        client.pair_clearance(scene, self.tent, self.floor, 0)
+        self.assertEqual(self.total(), both)
+        self.fails(pccd.Status.E_INVAL, client.pair_clearance, scene, self.tent,
+                   self.floor, float("nan"))
+        client.pair_ignore(scene, self.tent, self.floor, False)
         self.assertEqual(client.object_set(scene, self.floor, group=2, mask=2**63),
                          (2, 2**63, True, 0, 0, 0, 0))
         self.assertEqual(self.total(), alone)

@@ -17,6 +17,11 @@ static void set(struct model *model, uint32_t a, uint32_t b, bool has)
     model->has[b][a] = has;
 }
 
+static double value_of(uint32_t a, uint32_t b)
+{
+    return a + b + 0.5 * a * b;
+}
+
 static void check(const struct model *model, const struct eng_pairset *pairs)
 {
     assert_int_equal(pairs->count, model->count);
@@ -25,6 +30,8 @@ static void check(const struct model *model, const struct eng_pairset *pairs)
     for (uint32_t a = 0; a < NUMBERS; a++) {
         for (uint32_t b = 0; b < NUMBERS; b++) {
             assert_true(a == b || eng_pairset_has(pairs, a, b) == model->has[a][b]);
+            assert_true(a == b || eng_pairset_value(pairs, a, b, -1) ==
+                                      (model->has[a][b] ? value_of(a, b) : -1));
         }
     }
 }
@@ -34,8 +41,10 @@ static void take_all(struct model *model, struct eng_pairset *pairs, uint32_t a)
 {
     uint32_t from = 0;
     uint32_t other;
-    while (eng_pairset_take(pairs, a, &from, &other)) {
+    double value;
+    while (eng_pairset_take(pairs, a, &from, &other, &value)) {
         assert_true(other < NUMBERS && model->has[a][other]);
+        assert_true(value == value_of(a, other));
         set(model, a, other, false);
     }
     for (uint32_t b = 0; b < NUMBERS; b++) {
@@ -57,7 +66,7 @@ CASE(pairset__holds_what_was_added)
             if (prng_u32(&random, 100) == 0) {
                 take_all(&model, &pairs, a);
             } else if (prng_u32(&random, 5) < adds) {
-                assert_ok(eng_pairset_add(&pairs, a, b));
+                assert_ok(eng_pairset_add(&pairs, a, b, value_of(a, b)));
                 set(&model, a, b, true);
             } else {
                 eng_pairset_remove(&pairs, a, b);
@@ -83,14 +92,14 @@ CASE(pairset__stays_as_it_was_without_memory)
     uint32_t a = 1;
     struct eng_account account = {.limit = 0};
     eng_payer()->account = &account;
-    assert_int_equal(eng_pairset_add(&pairs, 0, 1), PCCD_E_NOMEM);
+    assert_int_equal(eng_pairset_add(&pairs, 0, 1, 0), PCCD_E_NOMEM);
     account.limit = INT64_MAX;
     assert_int_equal(pairs.count, 0);
-    assert_ok(eng_pairset_add(&pairs, 0, 1));
+    assert_ok(eng_pairset_add(&pairs, 0, 1, 0));
     account.limit = account.bytes;
     do {
         a++;
-    } while (eng_pairset_add(&pairs, a, 0) == PCCD_OK);
+    } while (eng_pairset_add(&pairs, a, 0, 0) == PCCD_OK);
     eng_payer()->account = NULL;
     assert_int_equal(pairs.count, a - 1);
     assert_true(eng_pairset_has(&pairs, 0, a - 1));
@@ -113,22 +122,22 @@ CASE(pairset__of_a_scene_has_a_limit)
     while (status == PCCD_OK) {
         a = b == a + 1 || b == 0 ? 0 : a + 1;
         b = a == 0 ? b + 1 : b;
-        status = eng_masks_ignore(&masks, a, b, true);
+        status = eng_masks_set_pair(&masks, a, b, ENG_PAIR_IGNORED);
     }
     assert_int_equal(status, PCCD_E_LIMIT);
-    assert_int_equal(masks.ignored.count, PROTO_IGNORED_PER_SCENE);
+    assert_int_equal(masks.ignored_count, PROTO_IGNORED_PER_SCENE);
     assert_false(eng_masks_ignores(&masks, a, b));
     assert_true(eng_masks_allows(&masks, a, b));
-    assert_ok(eng_masks_ignore(&masks, 1, 0, true)); /* it is already */
-    assert_ok(eng_masks_ignore(&masks, 0, 1, false));
-    assert_ok(eng_masks_ignore(&masks, b, a, true));
+    assert_ok(eng_masks_set_pair(&masks, 1, 0, ENG_PAIR_IGNORED)); /* it is already */
+    assert_ok(eng_masks_set_pair(&masks, 0, 1, ENG_PAIR_PLAIN));
+    assert_ok(eng_masks_set_pair(&masks, b, a, ENG_PAIR_IGNORED));
     assert_true(eng_masks_ignores(&masks, a, b));
     for (uint32_t i = 0; i < 1000; i++) {
         eng_masks_forget(&masks, i);
-        assert_int_equal(masks.entries[i].ignored, 0);
+        assert_int_equal(masks.entries[i].pairs, 0);
     }
     assert_false(eng_masks_is_on(&masks));
-    assert_int_equal(eng_pairset_bytes(&masks.ignored), 0);
+    assert_int_equal(eng_pairset_bytes(&masks.pairs), 0);
     eng_masks_deinit(&masks);
 }
 
@@ -145,7 +154,7 @@ CASE(pairset__of_hidden_objects_goes_at_once)
         for (uint32_t i = 0; i < 1 + prng_u32(&random, 300); i++) {
             uint32_t a = prng_u32(&random, NUMBERS);
             uint32_t b = (a + 1 + prng_u32(&random, NUMBERS - 1)) % NUMBERS;
-            assert_ok(eng_masks_ignore(&masks, a, b, true));
+            assert_ok(eng_masks_set_pair(&masks, a, b, ENG_PAIR_IGNORED));
             ignored[a][b] = ignored[b][a] = true;
         }
         uint32_t hidden = prng_u32(&random, NUMBERS + 1); /* the first ones */
@@ -161,7 +170,7 @@ CASE(pairset__of_hidden_objects_goes_at_once)
                 assert_true(a >= hidden || !eng_masks_allows(&masks, a, b));
                 count += stays;
             }
-            assert_int_equal(masks.entries[a].ignored, count);
+            assert_int_equal(masks.entries[a].pairs, count);
         }
         eng_masks_deinit(&masks);
     }

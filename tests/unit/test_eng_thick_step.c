@@ -75,6 +75,115 @@ CASE(step__grows_boxes_for_the_least_separation)
     eng_scene_free(scene);
 }
 
+/* Three soups that go through each other, and are as thick as `radius`. Of the pairs 0, 1
+ * and 1, 2 and 2, 0 those are ignored that `ignored` has a bit of. */
+static struct eng_scene *three_soups(double radius, unsigned ignored)
+{
+    struct eng_scene *scene = kit_scene();
+    struct prng random = {11};
+    for (uint32_t i = 0; i < 3; i++) {
+        const struct eng_object_thickness thickness = {.has_radius = true,
+                                                       .radius = radius * (i + 1)};
+        uint32_t idx = kit_add(scene, kit_soup(&random, 60), i + 1);
+        const struct eng_object_filter alone = {1, UINT64_MAX, .self = false};
+        assert_ok(eng_scene_set_thickness(scene, idx, &thickness));
+        assert_ok(eng_scene_set_filter(scene, idx, &alone));
+    }
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_ok(eng_scene_ignore(scene, i, (i + 1) % 3, ignored >> i & 1));
+    }
+    return scene;
+}
+
+/* Each goes half its size along an axis of its own. */
+static void stage_soups(struct eng_scene *scene)
+{
+    eng_stage_begin(scene);
+    for (uint32_t i = 0; i < 3; i++) {
+        const double back[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+        double there[12];
+        memcpy(there, back, sizeof there);
+        there[4 * i + 3] = 0.5;
+        assert_ok(eng_stage_rigid(scene, i, 0, 180, back, there));
+    }
+}
+
+/* Add a hash of the contacts of the soups: a sum over them. */
+static void add_hash(uint32_t i, struct eng_scene *scene, double separation,
+                     uint64_t hash[2])
+{
+    struct eng_question settings = way(i, PCCD_MODE_ALL, separation);
+    stage_soups(scene);
+    struct eng_step_result result = kit_step(scene, &settings);
+    assert_true(result.count > 100);
+    for (uint64_t k = 0; k < result.count; k++) {
+        const struct pccd_contact *contact =
+            (const struct pccd_contact *)result.records + k;
+        uint64_t words[sizeof *contact / 8];
+        memcpy(words, contact, sizeof words);
+        for (size_t w = 0; w < sizeof words / sizeof *words; w++) {
+            hash[w % 2] += words[w] * (2 * w + 1);
+        }
+    }
+}
+
+/* If it failed: a pair with a clearance would meet at another distance than such a
+ * separation, its box would be too small, or it would go on meeting at a clearance that
+ * it has no longer. */
+CASE(step__knows_clearances_of_pairs)
+{
+    static const double clearances[3] = {0, 0.04, 0};
+    for (uint32_t i = 0; i < way_count(); i++) {
+        uint64_t is[2] = {0, 0};
+        uint64_t then[2] = {0, 0};
+        uint64_t due[2] = {0, 0};
+        for (uint32_t pair = 0; pair < 3; pair++) { /* the last one keeps its radii */
+            struct eng_scene *one = three_soups(pair < 2 ? 0 : 0.001, 7u ^ 1u << pair);
+            add_hash(i, one, 0.003 + clearances[pair], due);
+            eng_scene_free(one);
+        }
+        struct eng_scene *scene = three_soups(0.001, 0);
+        add_hash(i, scene, 0.003, then);
+        assert_ok(eng_scene_set_pair_clearance(scene, 1, 0, clearances[0]));
+        assert_ok(eng_scene_set_pair_clearance(scene, 1, 2, 0.5));
+        assert_ok(eng_scene_set_pair_clearance(scene, 2, 1, clearances[1]));
+        add_hash(i, scene, 0.003, is);
+        assert_memory_equal(is, due, sizeof is);
+        assert_ok(eng_scene_ignore(scene, 0, 1, false));
+        assert_ok(eng_scene_ignore(scene, 2, 1, true));
+        assert_ok(eng_scene_ignore(scene, 2, 1, false));
+        memset(is, 0, sizeof is);
+        add_hash(i, scene, 0.003, is);
+        assert_memory_equal(is, then, sizeof is);
+        eng_scene_free(scene);
+    }
+}
+
+/* If it failed: an object would meet at its radii, or boxes would be too small, once it
+ * has another mesh; or a step would count what begins within distances of all kinds. */
+CASE(step__keeps_clearances_of_a_mesh_that_is_replaced)
+{
+    struct eng_question settings = way(0, PCCD_MODE_ANY, 0);
+    struct eng_step_result result;
+    struct eng_scene *scene = kit_scene();
+    kit_add(scene, two_triangles(), 1);
+    add_long_triangle(scene, 2, 5);
+    assert_ok(eng_scene_set_pair_clearance(scene, 0, 1, 4.5));
+    eng_stage_begin(scene);
+    assert_int_equal(kit_step(scene, &settings).verdict, PCCD_VERDICT_YES);
+    struct eng_mesh *mesh = two_triangles();
+    assert_ok(eng_scene_replace(scene, 0, mesh));
+    eng_mesh_release(mesh);
+    eng_stage_begin(scene);
+    assert_int_equal(kit_step(scene, &settings).verdict, PCCD_VERDICT_YES);
+    settings.tells_start = true;
+    settings.approach = 0.5;
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_set_pair_clearance(scene, 0, 1, -1), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_set_pair_clearance(scene, 0, 0, 1), PCCD_E_INVAL);
+    eng_scene_free(scene);
+}
+
 #define RODS 40u
 
 /* Rods between whole places, with noise, whose ends come to few such places. */

@@ -90,6 +90,7 @@ static struct two *two_new(struct prng *random, bool both, bool deforms, bool tu
                                (const double(*)[3])two->end, &bounds));
     }
     two->objects.joints = two->joints;
+    two->objects.clearance = ENG_PAIR_PLAIN;
     two->objects.resolution = 1e-5;
     two->question = (struct eng_question)ENG_QUESTION_DEFAULT;
     eng_pool_init(&two->pool);

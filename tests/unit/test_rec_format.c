@@ -337,6 +337,7 @@ CASE(payloads__are_refused_with_indices_out_of_range)
         struct record_pairs head;
         uint32_t pairs[2][2];
     } pairs = {{.scene = 1, .ignored = 1, .count = 2}, {{1, 2}, {3, 2}}};
+    const struct record_clearance apart = {.a = 1, .b = 2, .clearance = 3};
     const struct record_filter filter = {.what = PCCD_OBJECT_ALL, .self = 1};
     const size_t segment = sizeof frame.head;
 
@@ -345,6 +346,10 @@ CASE(payloads__are_refused_with_indices_out_of_range)
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 8, 1), 0);
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 4, 2), 0);
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 24, 2), 0);
+    assert_int_equal(judge_with(RECORD_CLEARANCE, &apart, sizeof apart, 4, 3), 0);
+    assert_int_not_equal(judge_with(RECORD_CLEARANCE, &apart, sizeof apart, 4, 2), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_CLEARANCE, &apart, sizeof apart, 20, 0xbff00000u), 0);
     assert_int_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 8, 7), 0);
     assert_int_not_equal(
         judge_with(RECORD_FILTER, &filter, sizeof filter, 8, COMMON_OBJECT_KNOWN + 1), 0);

@@ -5,7 +5,8 @@
 
 #define OBJECTS 24u
 
-static void check(struct registry_pairs *pairs, bool told[OBJECTS][OBJECTS])
+/* Check what was told of pairs: 0 nothing, 1 they ignore each other, else a clearance. */
+static void check(struct registry_pairs *pairs, int told[OBJECTS][OBJECTS])
 {
     uint32_t count = 0;
 
@@ -19,8 +20,12 @@ static void check(struct registry_pairs *pairs, bool told[OBJECTS][OBJECTS])
     }
     for (uint32_t a = 0; a < OBJECTS; a++) {
         for (uint32_t b = a + 1; b < OBJECTS; b++) {
-            assert_int_equal(registry_pairs_has(pairs, b, a), told[a][b]);
-            count += told[a][b];
+            const struct registry_pair *pair = registry_pairs_find(pairs, b, a);
+            assert_int_equal(pair != NULL, told[a][b] != 0);
+            assert_true(pair == NULL || pair->ignored == (told[a][b] == 1));
+            assert_true(registry_pairs_clearance(pairs, b, a) ==
+                        (told[a][b] > 1 ? told[a][b] : -1));
+            count += told[a][b] != 0;
         }
     }
     assert_int_equal(pairs->count, count);
@@ -34,21 +39,26 @@ CASE(pairs__are_the_last_word_on_each)
 
     for (uint32_t round = 0; round < 100; round++) {
         struct registry_pairs pairs = {.count = 0};
-        bool told[OBJECTS][OBJECTS] = {{false}};
+        int told[OBJECTS][OBJECTS] = {{0}};
 
         for (uint32_t i = 0; i < 2000; i++) {
             uint32_t a = prng_u32(&prng, OBJECTS);
             uint32_t b = (a + 1 + prng_u32(&prng, OBJECTS - 1)) % OBJECTS;
-            bool ignored = prng_below(&prng, 3) > 0;
+            int word = (int)prng_below(&prng, 4);
+            const struct registry_pair said = {.a = a,
+                                               .b = b,
+                                               .ignored = word == 1,
+                                               .has_clearance = word > 1,
+                                               .clearance = word};
 
             if (prng_below(&prng, 100) == 0) {
                 registry_pairs_forget(&pairs, a);
                 for (uint32_t k = 0; k < OBJECTS; k++) {
-                    told[a][k] = told[k][a] = false;
+                    told[a][k] = told[k][a] = 0;
                 }
             } else {
-                assert_int_equal(registry_pairs_note(&pairs, a, b, ignored), 0);
-                told[a][b] = told[b][a] = ignored;
+                assert_int_equal(registry_pairs_note(&pairs, &said), 0);
+                told[a][b] = told[b][a] = word;
             }
             if (prng_below(&prng, 300) == 0) {
                 check(&pairs, told);

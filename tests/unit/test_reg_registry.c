@@ -159,10 +159,11 @@ CASE(objects__meet_as_groups_masks_and_pairs_say)
     assert_true(registry_may_meet(scene, b, a));
     set(a, PCCD_OBJECT_SELF, 0, 0, false);
     assert_false(registry_may_meet(scene, a, a));
-    assert_int_equal(registry_pairs_note(&scene->ignored, 4, 3, true), 0);
-    registry_pairs_settle(&scene->ignored);
+    const struct registry_pair said = {.a = 4, .b = 3, .ignored = true};
+    assert_int_equal(registry_pairs_note(&scene->pairs, &said), 0);
+    registry_pairs_settle(&scene->pairs);
     assert_false(registry_may_meet(scene, a, b));
     registry_remove_object(&registry, scene, b);
-    assert_int_equal(scene->ignored.count, 0);
+    assert_int_equal(scene->pairs.count, 0);
     registry_deinit(&registry);
 }

@@ -18,12 +18,13 @@
 #define SIDES_MAX   4096u
 #define MOTIONS_MAX 1000000000u
 #define THREADS_MAX 1024u
+#define LEAST_UNSAID (-1.0)
 
 struct command {
     struct option_arguments files;
     struct ctl_link link;
     struct robot_options robot;
-    struct scene_texts joints, fixed, apart;
+    struct scene_texts joints, fixed, apart, clearances;
     double clearance, bracket, least;
     uint32_t limit, threads;
     const char *edges;   /* NULL: ranges are swept */
@@ -49,6 +50,25 @@ static void take_apart(struct argp_state *state, const struct option_row *row,
                        row->name, text);
     }
     take_text(state, row, text, to);
+}
+
+/* A distance, or "A,B=D": which of them names parts, the mechanism says. */
+static void take_clearance(struct argp_state *state, const struct option_row *row,
+                           const char *text, void *to)
+{
+    const char *equals = strrchr(text, '=');
+    const char *number = equals != NULL ? equals + 1 : text;
+    char *end;
+    double value = strtod(number, &end);
+    if (end == number || *end != '\0' || !(value >= 0 && value <= LENGTH_MAX)) {
+        option_misused(state, "--%s: \"%s\" is no number from 0 to %g", row->name, number,
+                       LENGTH_MAX);
+    }
+    if (equals != NULL) {
+        take_apart(state, row, text, to);
+    } else {
+        ((struct command *)to)->clearance = value;
+    }
 }
 
 static void check_usage(struct argp_state *state, void *to)
@@ -99,8 +119,11 @@ static const struct option_row rows[] = {
      "\"to\": [VALUE..]} each, in radians or the file's unit, of all joints in their "
      "order, or as {\"NAME\": VALUE..}",
      OPTION_TEXT, .at = AT(edges)},
-    {"clearance", 0, "D", "Parts may not come nearer to each other than D (default: 0)",
-     OPTION_REAL, .at = AT(clearance), .max = LENGTH_MAX},
+    {"clearance", 0, "[A,B=]D",
+     "Parts may not come nearer to each other than D (default: 0); or these two, in the "
+     "place of that and of their radii: at 0 they may touch, as a pin its hole, and may "
+     "not pass through each other. May be repeated",
+     OPTION_OWN, .at = AT(clearances), .take = take_clearance},
     {"allow", 0, "A,B",
      "These two parts may meet, as those do that touch by design; may be repeated",
      OPTION_OWN, .at = AT(apart), .take = take_apart},
@@ -124,7 +147,7 @@ static const struct option_row rows[] = {
      .at = AT(bracket), .min = 1e-15, .max = 1},
     {"least", 0, "PART",
      "Find the least distance while one joint moves freely, to PART of the size; 0: do "
-     "not (default: 0.001)",
+     "not (default: 0.001; 0 where two parts have a clearance of their own)",
      OPTION_REAL, .at = AT(least), .max = 1},
     {"motions", 0, "N",
      "Of several joints at once: decide by N motions, or a few more (default: 4096)",
@@ -244,21 +267,47 @@ static int fix_joints(const struct command *command, struct robot *robot,
     return status;
 }
 
-/* Find the parts of "A,B", whose names may have commas, too. */
-static int set_apart(struct robot *robot, const char *text, struct ctl_error *error)
+/* Find the parts of "A,B", whose names may have commas, too, up to `end`, and let them
+ * keep that clearance, or be apart. */
+static int set_pair(struct robot *robot, const char *option, const char *text,
+                    const char *end, double clearance, struct ctl_error *error)
 {
     for (uint32_t a = 0; a < robot->part_count; a++) {
         size_t length = strlen(robot->parts[a].name);
         bool begins = strncmp(text, robot->parts[a].name, length) == 0;
-        uint32_t b = begins && text[length] == ','
-                         ? robot_find_part(robot, text + length + 1)
-                         : ROBOT_NONE;
-        if (b != ROBOT_NONE) {
-            return robot_set_apart(robot, a, b, error);
+        char *other = begins && text[length] == ','
+                          ? strndup(text + length + 1, (size_t)(end - text) - length - 1)
+                          : NULL;
+        uint32_t b = other != NULL ? robot_find_part(robot, other) : ROBOT_NONE;
+        free(other);
+        if (b != ROBOT_NONE && b != a) {
+            return robot_set_pair(robot, a, b, clearance, error);
         }
     }
-    return ctl_error_set(error, PCCD_E_INVAL, "--allow: \"%s\" does not name two parts",
-                         tool_shown(text));
+    return ctl_error_set(error, PCCD_E_INVAL, "--%s: \"%s\" does not name two parts",
+                         option, tool_shown(text));
+}
+
+static int set_pairs(const struct command *command, struct robot *robot,
+                     struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (size_t i = 0; i < command->clearances.count && status == PCCD_OK; i++) {
+        const char *text = command->clearances.list[i];
+        const char *equals = strrchr(text, '=');
+        status =
+            set_pair(robot, "clearance", text, equals, strtod(equals + 1, NULL), error);
+    }
+    for (size_t i = 0; i < command->apart.count && status == PCCD_OK; i++) {
+        const char *text = command->apart.list[i];
+        status = set_pair(robot, "allow", text, text + strlen(text), ROBOT_APART, error);
+    }
+    if (status == PCCD_OK && command->least > 0 && robot_has_clearances(robot)) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "--least: two parts have a clearance of their own, "
+                               "and the least distance of all says nothing then");
+    }
+    return status;
 }
 
 static int read_range(const struct command *command, const struct robot *robot,
@@ -361,9 +410,7 @@ static int read_robot(const struct command *command, struct run *run,
                  : scene_is_named(path)
                      ? read_scene(command, run, error)
                      : robot_read_urdf(robot, path, &command->robot, error);
-    for (size_t i = 0; i < command->apart.count && status == PCCD_OK; i++) {
-        status = set_apart(robot, command->apart.list[i], error);
-    }
+    status = status == PCCD_OK ? set_pairs(command, robot, error) : status;
     if (status == PCCD_OK && robot->shape_count == 0) {
         status = ctl_error_set(error, PCCD_E_FORMAT, "%s: nothing has a shape",
                                tool_shown(path));
@@ -448,6 +495,24 @@ static int sweep_all(struct run *run)
     return run->range.count > 0 ? try_range(run, &run->range) : try_each(run);
 }
 
+/* Those that two parts have of their own. */
+static json_t *clearances_json(const struct robot *robot)
+{
+    json_t *list = json_array();
+    bool ok = true;
+    for (size_t i = 0; i < robot->pair_count; i++) {
+        const struct robot_pair *pair = &robot->pairs[i];
+        if (pair->clearance != ROBOT_APART) {
+            json_t *item = json_object();
+            json_set(item, "a", json_text(robot->parts[pair->parts[0]].name), &ok);
+            json_set(item, "b", json_text(robot->parts[pair->parts[1]].name), &ok);
+            json_set(item, "clearance", json_real(pair->clearance), &ok);
+            json_append(list, item, &ok);
+        }
+    }
+    return list;
+}
+
 static bool print_end(struct run *run)
 {
     bool ok = !run->lacks_memory;
@@ -469,6 +534,7 @@ static bool print_end(struct run *run)
     json_set_count(value, "motions", run->sweep.asked, &ok);
     json_set(value, "looked_within", json_boolean(!run->sweep.is_open), &ok);
     json_set(value, "clearance", json_real(run->sweep.clearance), &ok);
+    json_set(value, "clearances", clearances_json(&run->robot), &ok);
     json_set(value, run->command->edges != NULL ? "edges" : "ranges",
              json_incref(run->ranges), &ok);
     json_set(value, "verdict", json_string(sweep_verdict_name(run->verdict)), &ok);
@@ -487,6 +553,14 @@ static int draw(struct run *run, struct whole_file *file)
     return status;
 }
 
+static double least_of(const struct command *command, const struct robot *robot)
+{
+    if (command->least >= 0) {
+        return command->least;
+    }
+    return robot_has_clearances(robot) ? 0 : 1e-3;
+}
+
 static int run_sweep(const struct command *command)
 {
     struct ctl_error error = {.text = ""};
@@ -498,7 +572,7 @@ static int run_sweep(const struct command *command)
                                .clearance = command->clearance,
                                .bracket = command->bracket,
                                .error = &error,
-                               .least = command->least,
+                               .least = least_of(command, &run.robot),
                                .limit = command->limit,
                                .threads = command->threads};
     if (status == PCCD_OK && command->picture != NULL) {
@@ -529,7 +603,7 @@ static int run_sweep(const struct command *command)
                : (int)ctl_exit_of(status, run.verdict == SWEEP_FREE);
 }
 
-#define DEFAULTS .robot.sides = 64, .bracket = 1e-6, .least = 1e-3, .limit = 4096
+#define DEFAULTS .robot.sides = 64, .bracket = 1e-6, .least = LEAST_UNSAID, .limit = 4096
 
 int sweep_screw(const struct check_screw *screw, const struct ask_options *ask,
                 const struct scene_options *options, double clearance)
@@ -556,6 +630,7 @@ int ctl_cmd_sweep(int argc, char **argv)
     free(command.joints.list);
     free(command.fixed.list);
     free(command.apart.list);
+    free(command.clearances.list);
     free(command.robot.meshes.list);
     free(command.robot.with.list);
     ctl_link_deinit(&command.link);

@@ -342,7 +342,7 @@ static int show_item(struct play_reader *reader, const struct record_view *view,
         return status;
     }
     if (scene != NULL) {
-        registry_pairs_settle(&scene->ignored); /* who may meet is asked for */
+        registry_pairs_settle(&scene->pairs); /* who may meet is asked for */
     }
     return reader->item.is_near
                ? show_near(reader, answer, scene, &found, error)

@@ -383,12 +383,31 @@ static int follow_pairs(struct registry *state, const struct record_view *view,
     }
     for (uint32_t i = 0; status == PCCD_OK && i < head.count; i++) {
         memcpy(pair, at + i * sizeof pair, sizeof pair);
+        const struct registry_pair said = {
+            .a = pair[0], .b = pair[1], .ignored = head.ignored != 0};
         status =
-            registry_pairs_note(&scene->ignored, pair[0], pair[1], head.ignored != 0) == 0
-                ? PCCD_OK
-                : no_memory(error);
+            registry_pairs_note(&scene->pairs, &said) == 0 ? PCCD_OK : no_memory(error);
     }
     return status;
+}
+
+static int follow_clearance(struct registry *state, const struct record_view *view,
+                            struct ctl_error *error)
+{
+    struct record_clearance is;
+    struct registry_scene *scene;
+    memcpy(&is, view->payload, sizeof is);
+    const struct registry_pair said = {
+        .a = is.a, .b = is.b, .has_clearance = true, .clearance = is.clearance};
+    int status = find_scene(state, is.scene, &scene, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (registry_object(scene, is.a) == NULL || registry_object(scene, is.b) == NULL) {
+        return unknown(error, "object",
+                       registry_object(scene, is.a) == NULL ? is.a : is.b);
+    }
+    return registry_pairs_note(&scene->pairs, &said) == 0 ? PCCD_OK : no_memory(error);
 }
 
 /* ---- what goes --------------------------------------------------------------------- */
@@ -450,6 +469,8 @@ int recorded_state_follow(struct registry *state, const struct record_view *view
         return follow_filter(state, view, error);
     case RECORD_PAIRS:
         return follow_pairs(state, view, error);
+    case RECORD_CLEARANCE:
+        return follow_clearance(state, view, error);
     case RECORD_SCENE_GONE:
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:

@@ -87,24 +87,28 @@ static int set_object(struct replayer *replayer, const struct registry_scene *sc
                              : failed(replayer, status, "a recorded mask", error);
 }
 
-static int ignore_pair(struct replayer *replayer, uint32_t scene, const uint32_t pair[2],
-                       bool ignored, struct ctl_error *error)
+static int tell_pair(struct replayer *replayer, uint32_t scene,
+                     const struct registry_pair *pair, struct ctl_error *error)
 {
-    int status = pccd_pair_ignore(replayer->client, scene, pair[0], pair[1], ignored);
+    int status =
+        pair->has_clearance
+            ? pccd_pair_clearance(replayer->client, scene, pair->a, pair->b,
+                                  pair->clearance)
+            : pccd_pair_ignore(replayer->client, scene, pair->a, pair->b, pair->ignored);
     return status == PCCD_OK ? status
                              : failed(replayer, status, "a recorded pair", error);
 }
 
-/* Those pairs of a scene that ignore each other; of one object, or of any (0). */
-static int ignore_pairs(struct replayer *replayer, struct registry_scene *scene,
-                        uint32_t object, struct ctl_error *error)
+/* Tell what is said of the pairs of a scene; of one object, or of any (0). */
+static int tell_pairs_of(struct replayer *replayer, struct registry_scene *scene,
+                         uint32_t object, struct ctl_error *error)
 {
     int status = PCCD_OK;
-    registry_pairs_settle(&scene->ignored);
-    for (uint32_t i = 0; i < scene->ignored.count && status == PCCD_OK; i++) {
-        const uint32_t pair[2] = {scene->ignored.said[i].a, scene->ignored.said[i].b};
-        if (object == 0 || pair[0] == object || pair[1] == object) {
-            status = ignore_pair(replayer, scene->handle, pair, true, error);
+    registry_pairs_settle(&scene->pairs);
+    for (uint32_t i = 0; i < scene->pairs.count && status == PCCD_OK; i++) {
+        const struct registry_pair *pair = &scene->pairs.said[i];
+        if (object == 0 || pair->a == object || pair->b == object) {
+            status = tell_pair(replayer, scene->handle, pair, error);
         }
     }
     return status;
@@ -135,7 +139,7 @@ static int make_object(struct replayer *replayer, struct registry_scene *scene,
     object->is_made = status == PCCD_OK;
     status = judge_made(replayer, status, object->handle, made, "object", error);
     return status == PCCD_OK && is_another
-               ? ignore_pairs(replayer, scene, object->handle, error)
+               ? tell_pairs_of(replayer, scene, object->handle, error)
                : status;
 }
 
@@ -163,7 +167,7 @@ static int tell_scene(struct replayer *replayer, struct registry_scene *scene,
         }
     }
     if (status == PCCD_OK && is_new) {
-        status = ignore_pairs(replayer, scene, 0, error);
+        status = tell_pairs_of(replayer, scene, 0, error);
     }
     scene->is_told = status == PCCD_OK;
     return status;
@@ -235,9 +239,21 @@ static int tell_pairs(struct replayer *replayer, const struct record_view *view,
     for (uint32_t i = 0; i < head.count && status == PCCD_OK; i++) {
         uint32_t pair[2];
         memcpy(pair, at + i * sizeof pair, sizeof pair);
-        status = ignore_pair(replayer, head.scene, pair, head.ignored != 0, error);
+        const struct registry_pair said = {
+            .a = pair[0], .b = pair[1], .ignored = head.ignored != 0};
+        status = tell_pair(replayer, head.scene, &said, error);
     }
     return status;
+}
+
+static int tell_clearance(struct replayer *replayer, const struct record_view *view,
+                          struct ctl_error *error)
+{
+    struct record_clearance is;
+    memcpy(&is, view->payload, sizeof is);
+    const struct registry_pair said = {
+        .a = is.a, .b = is.b, .has_clearance = true, .clearance = is.clearance};
+    return tell_pair(replayer, is.scene, &said, error);
 }
 
 int replayer_follow(struct replayer *replayer, struct registry *state,
@@ -248,7 +264,8 @@ int replayer_follow(struct replayer *replayer, struct registry *state,
     const uint32_t taking =
         1u << RECORD_SCENE_GONE | 1u << RECORD_MESH_GONE | 1u << RECORD_OBJECT_GONE;
     bool is_gone = (taking >> view->kind & 1u) != 0;
-    bool tells_now = replayer->client != NULL && (is_gone || view->kind == RECORD_PAIRS);
+    bool tells_now = replayer->client != NULL && (is_gone || view->kind == RECORD_PAIRS ||
+                                                  view->kind == RECORD_CLEARANCE);
     int status = PCCD_OK;
     /* What goes was there for the daemon, too, and so was what ignores each other. */
     if (tells_now && replayer->is_behind) {
@@ -261,7 +278,9 @@ int replayer_follow(struct replayer *replayer, struct registry *state,
     if (status != PCCD_OK || !tells_now) {
         return status;
     }
-    return is_gone ? tell_gone(replayer, view, error) : tell_pairs(replayer, view, error);
+    return is_gone                          ? tell_gone(replayer, view, error)
+           : view->kind == RECORD_CLEARANCE ? tell_clearance(replayer, view, error)
+                                            : tell_pairs(replayer, view, error);
 }
 
 /* ---- what moves -------------------------------------------------------------------- */

@@ -166,13 +166,21 @@ static void widen(struct snapshot_contact *contact, const struct snapshot_object
 
 /* Find how far apart the points of two features are that meet, unless these keep no
  * distance: then what is between their points is rounding. */
-static void find_reach(double separation, const struct registry_object *const objects[2],
+static void find_reach(const struct play_step *step,
+                       const struct registry_object *const objects[2],
                        const uint32_t *const corners[2], const uint32_t counts[2],
                        const double at[2][3], struct snapshot_contact *contact)
 {
+    double separation = step->separation.separation;
     double own = recorded_radius(objects[1], corners[1], counts[1]) + separation / 2;
     double both =
         own + recorded_radius(objects[0], corners[0], counts[0]) + separation / 2;
+    double clearance = registry_pairs_clearance(&step->scene->pairs, objects[0]->handle,
+                                                objects[1]->handle);
+    if (clearance >= 0) { /* half of it around each */
+        both = clearance + separation;
+        own = both / 2;
+    }
     if (!(both > 0)) {
         return;
     }
@@ -256,7 +264,7 @@ static bool place_contact(const struct snapshot *snapshot, const struct play_ste
         widen(to, shown[side], corners[side], points[side]);
     }
     find_touch(step, from, known, ends, place_time(from), at);
-    find_reach(snapshot->separation, known, corners, points, (const double(*)[3])at, to);
+    find_reach(step, known, corners, points, (const double(*)[3])at, to);
     return true;
 }
 

@@ -39,8 +39,10 @@ static void sweep_feature(const struct sweep *sweep, const struct registry_objec
                           uint32_t points, uint32_t feature, struct swept *swept)
 {
     const uint32_t *v = recorded_feature(object->mesh, points, &feature);
-    double reach =
-        recorded_radius(object, v, points) + sweep->step->separation.separation / 2;
+    double half =
+        registry_pairs_half_clearance(&sweep->step->scene->pairs, object->handle);
+    double reach = fmax(recorded_radius(object, v, points), half) +
+                   sweep->step->separation.separation / 2;
     *swept = (struct swept){.object = object, .feature = feature};
     for (uint32_t k = 0; k < 3; k++) {
         double lo = INFINITY, hi = -INFINITY;

@@ -481,6 +481,13 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
     if (!verify_is_complete(step) || verify_has_turning(step)) {
         return true;
     }
+    const struct registry_pairs *pairs = &step->scene->pairs;
+    for (uint32_t i = 0; i < pairs->count && step->separation.approach > 0; i++) {
+        if (pairs->said[i].has_clearance) { /* such a step is refused */
+            return verify_wrong(result, step, NULL,
+                                "it says how it begins, but objects have a clearance");
+        }
+    }
     bool has_memory = make_moment(&judge);
     bool is_known = has_memory && find_start(&judge, &step->separation, start);
     free_moment(&judge);

@@ -87,6 +87,12 @@ bool verify_radii(const struct play_step *step, const struct pccd_pair *pair,
                                 points[0]);
     radius[1] = recorded_radius(b, recorded_feature(b->mesh, points[1], &pair->feature_b),
                                 points[1]);
+    double clearance =
+        registry_pairs_clearance(&step->scene->pairs, a->handle, b->handle);
+    if (clearance >= 0) { /* in the place of both */
+        radius[0] = clearance;
+        radius[1] = 0;
+    }
     radius[2] = step->separation.separation;
     bool is_thick = radius[0] + radius[1] + radius[2] > 0 &&
                     (a != b || !is_excluded(step->scene, a, pair));

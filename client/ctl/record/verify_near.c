@@ -170,16 +170,20 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     const uint32_t *points = common_kinds[kind].points;
     const uint32_t *own = recorded_feature(object->mesh, points[0], &feature);
     const struct box tight = box_of(draw, object, own, points[0]);
-    double near_by =
-        recorded_radius(object, own, points[0]) + draw->step->separation.separation;
+    const double radius = recorded_radius(object, own, points[0]);
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct registry_object *other = &scene->objects[i];
         uint32_t count = recorded_feature_count(other->mesh, points[1]);
+        double clearance =
+            registry_pairs_clearance(&scene->pairs, object->handle, other->handle);
         for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
             const uint32_t *v = recorded_feature(other->mesh, points[1], &f);
             struct box near = box_of(draw, other, v, points[1]);
             struct box box = tight;
-            widen(&box, near_by + recorded_radius(other, v, points[1]));
+            widen(&box,
+                  draw->step->separation.separation +
+                      (clearance >= 0 ? clearance
+                                      : radius + recorded_radius(other, v, points[1])));
             if (!meet(&box, &near) || !is_of_kind(kind, other->mesh, points[1], f) ||
                 (other == object &&
                  recorded_share_vertex(own, points[0], v, points[1]))) {

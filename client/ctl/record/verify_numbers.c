@@ -42,6 +42,8 @@ static bool has_thickness(const struct play_step *step)
         for (uint32_t v = 0; v < vertices && !is_thick; v++) {
             is_thick = recorded_radius(object, &v, 1) > 0;
         }
+        is_thick = is_thick ||
+                   registry_pairs_half_clearance(&step->scene->pairs, object->handle) > 0;
     }
     return is_thick;
 }

@@ -112,17 +112,28 @@ int scene_append(struct scene *scene, struct scene_object **object,
     return PCCD_OK;
 }
 
-int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error)
+static int add_pair(struct scene *scene, const struct scene_pair *pair,
+                    struct ctl_error *error)
 {
-    void *ignored = scene->ignored;
-    if (!array_reserve(&ignored, scene->ignored_count, &scene->ignored_room,
-                       sizeof *scene->ignored)) {
+    void *pairs = scene->pairs;
+    if (!array_reserve(&pairs, scene->pair_count, &scene->pair_room,
+                       sizeof *scene->pairs)) {
         return no_memory(error);
     }
-    scene->ignored = ignored;
-    scene->ignored[scene->ignored_count][0] = a;
-    scene->ignored[scene->ignored_count++][1] = b;
+    scene->pairs = pairs;
+    scene->pairs[scene->pair_count++] = *pair;
     return PCCD_OK;
+}
+
+int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error)
+{
+    return add_pair(scene, &(struct scene_pair){{a, b}, .is_ignored = true}, error);
+}
+
+int scene_keep_clearance(struct scene *scene, uint32_t a, uint32_t b, double clearance,
+                         struct ctl_error *error)
+{
+    return add_pair(scene, &(struct scene_pair){{a, b}, .clearance = clearance}, error);
 }
 
 /* A name for an object from a file, which no other one has. */
@@ -454,10 +465,14 @@ int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle
     for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
         status = place(scene, &scene->objects[i], client, handle, with_edges, error);
     }
-    for (size_t i = 0; i < scene->ignored_count && status == PCCD_OK; i++) {
-        const struct scene_object *a = &scene->objects[scene->ignored[i][0]];
-        const struct scene_object *b = &scene->objects[scene->ignored[i][1]];
-        status = pccd_pair_ignore(client, handle, a->handle, b->handle, true);
+    for (size_t i = 0; i < scene->pair_count && status == PCCD_OK; i++) {
+        const struct scene_pair *pair = &scene->pairs[i];
+        const struct scene_object *a = &scene->objects[pair->objects[0]];
+        const struct scene_object *b = &scene->objects[pair->objects[1]];
+        status = pair->is_ignored
+                     ? pccd_pair_ignore(client, handle, a->handle, b->handle, true)
+                     : pccd_pair_clearance(client, handle, a->handle, b->handle,
+                                           pair->clearance);
         if (status != PCCD_OK) {
             (void)fail(scene, a, client, status, error);
         }
@@ -559,7 +574,7 @@ void scene_close(struct scene *scene)
     }
     free(scene->joints);
     free(scene->objects);
-    free(scene->ignored);
+    free(scene->pairs);
     free(scene->path);
     *scene = (struct scene){.path = NULL};
 }

@@ -80,6 +80,13 @@ struct scene_joint {
     double multiplier, offset;
 };
 
+/* Two objects that ignore each other, or have a clearance in the place of their radii. */
+struct scene_pair {
+    uint32_t objects[2]; /* places */
+    bool is_ignored;
+    double clearance;
+};
+
 /* Fill with {0} but for what is the caller's; scene_close's to give back, also on
  * error. */
 struct scene {
@@ -92,8 +99,8 @@ struct scene {
     struct scene_object *objects;
     uint32_t object_count;
     size_t object_room;
-    uint32_t (*ignored)[2]; /* ours: places of objects that ignore each other */
-    size_t ignored_count, ignored_room;
+    struct scene_pair *pairs; /* ours: [pair_count] objects of which something is said */
+    size_t pair_count, pair_room;
     struct scene_joint *joints; /* ours: [joint_count] */
     uint32_t joint_count;
     uint32_t first;  /* frame of the files that is frame 0 of the scene */
@@ -123,8 +130,11 @@ int scene_add(struct scene *scene, char *const *paths, uint32_t path_count,
  * E_LIMIT. */
 int scene_append(struct scene *scene, struct scene_object **object,
                  struct ctl_error *error);
-/* Let two objects ignore each other. Errors: E_NOMEM. */
+/* Let two objects ignore each other, or have a clearance in the place of their radii. Of
+ * two that both are said of, the last counts. Errors: E_NOMEM. */
 int scene_ignore(struct scene *scene, uint32_t a, uint32_t b, struct ctl_error *error);
+int scene_keep_clearance(struct scene *scene, uint32_t a, uint32_t b, double clearance,
+                         struct ctl_error *error);
 /* Return the place of the object of that name; object_count: there is none. */
 uint32_t scene_find(const struct scene *scene, const char *name);
 

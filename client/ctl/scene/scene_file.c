@@ -37,6 +37,7 @@ enum form {
     FRAMES,
     OBJECTS,
     PAIRS,
+    CLEARANCES,
     NUMBERS, /* `min` of them */
     WORD,
     JOINTS
@@ -63,6 +64,9 @@ static const struct member scene_members[] = {
      "What there is. Objects with several frames have as many of them; one with a single "
      "frame stands"},
     {"ignore", PAIRS, 0, 0, "Names of two objects each that do not meet"},
+    {"clearance", CLEARANCES, 0, LENGTH_MAX,
+     "Names of two objects each, and a distance that they keep in the place of their "
+     "radii: at 0 they may touch, and may not pass through each other"},
     {"joints", JOINTS, 0, 0, "How objects move, for pccdctl sweep"},
     {0}};
 
@@ -583,35 +587,58 @@ static void take_joints(struct reader *reader, const json_t *all)
 
 /* ---- the file ---------------------------------------------------------------------- */
 
-/* Pairs of names. */
-static void take_ignored(struct reader *reader, const json_t *root)
+/* Find the two objects that an item of a list of pairs begins with. */
+static void take_pair(struct reader *reader, const json_t *pair, const struct step *place,
+                      const char *list, uint32_t objects[2])
 {
     struct scene *scene = reader->scene;
-    const json_t *all = json_object_get(root, "ignore");
-    const struct step at[] = {{"ignore", 0}, {NULL, 0}};
+    for (size_t k = 0; k < 2 && reader->status == PCCD_OK; k++) {
+        const char *name = json_string_value(json_array_get(pair, k));
+        objects[k] = name != NULL ? scene_find(scene, name) : scene->object_count;
+        if (objects[k] == scene->object_count) {
+            refuse(reader, place, "\"%s\": no object has the name \"%s\"", list,
+                   name != NULL ? tool_shown(name) : "");
+        }
+    }
+}
+
+/* Pairs of names, with a distance behind each or not. */
+static void take_pairs(struct reader *reader, const json_t *root, const char *list,
+                       bool has_clearance)
+{
+    struct scene *scene = reader->scene;
+    const json_t *all = json_object_get(root, list);
+    const struct step at[] = {{list, 0}, {NULL, 0}};
     if (all != NULL && !json_is_array(all)) {
-        refuse(reader, at, "\"ignore\" is no list of pairs of names");
+        refuse(reader, at, "\"%s\" is no list of pairs of names%s", list,
+               has_clearance ? " with a distance each" : "");
     }
     for (size_t i = 0; i < json_array_size(all) && reader->status == PCCD_OK; i++) {
         const json_t *pair = json_array_get(all, i);
-        const struct step place[] = {{"ignore", 0}, {NULL, i + 1}, {NULL, 0}};
+        const json_t *said = json_array_get(pair, 2);
+        const struct step place[] = {{list, 0}, {NULL, i + 1}, {NULL, 0}};
         uint32_t objects[2] = {0, 0};
-        if (json_array_size(pair) != 2) {
-            refuse(reader, place, "a pair of \"ignore\" is [\"name\", \"name\"]");
+        double clearance = json_number_value(said);
+        if (json_array_size(pair) != (has_clearance ? 3u : 2u)) {
+            refuse(reader, place, "a pair of \"%s\" is [\"name\", \"name\"%s]", list,
+                   has_clearance ? ", distance" : "");
         }
-        for (size_t k = 0; k < 2 && reader->status == PCCD_OK; k++) {
-            const char *name = json_string_value(json_array_get(pair, k));
-            objects[k] = name != NULL ? scene_find(scene, name) : scene->object_count;
-            if (objects[k] == scene->object_count) {
-                refuse(reader, place, "\"ignore\": no object has the name \"%s\"",
-                       name != NULL ? tool_shown(name) : "");
-            }
-        }
+        take_pair(reader, pair, place, list, objects);
         if (reader->status == PCCD_OK && objects[0] == objects[1]) {
-            refuse(reader, place, "an object ignores itself by \"self\": false");
+            refuse(reader, place,
+                   has_clearance ? "a clearance is of two objects"
+                                 : "an object ignores itself by \"self\": false");
+        }
+        if (reader->status == PCCD_OK && has_clearance &&
+            (!json_is_number(said) || !(clearance >= 0 && clearance <= LENGTH_MAX))) {
+            refuse(reader, place, "a clearance is a number from 0 to %g", LENGTH_MAX);
         }
         if (reader->status == PCCD_OK) {
-            reader->status = scene_ignore(scene, objects[0], objects[1], reader->error);
+            reader->status =
+                has_clearance
+                    ? scene_keep_clearance(scene, objects[0], objects[1], clearance,
+                                           reader->error)
+                    : scene_ignore(scene, objects[0], objects[1], reader->error);
         }
     }
 }
@@ -656,7 +683,8 @@ static void take_scene(struct reader *reader, json_t *root)
         const struct step at[] = {{"objects", 0}, {NULL, i + 1}, {NULL, 0}};
         take_object(reader, json_array_get(objects, i), at);
     }
-    take_ignored(reader, root);
+    take_pairs(reader, root, "ignore", false);
+    take_pairs(reader, root, "clearance", true);
     take_joints(reader, json_object_get(root, "joints"));
 }
 
@@ -747,6 +775,11 @@ static json_t *type_of(const struct member *member)
         return json_pack("{s:s, s:{s:s, s:i, s:i, s:{s:s}}}", "type", "array", "items",
                          "type", "array", "minItems", 2, "maxItems", 2, "items", "type",
                          "string");
+    case CLEARANCES:
+        return json_pack("{s:s, s:{s:s, s:i, s:i, s:[{s:s}, {s:s}, {s:s, s:i, s:f}]}}",
+                         "type", "array", "items", "type", "array", "minItems", 3,
+                         "maxItems", 3, "prefixItems", "type", "string", "type", "string",
+                         "type", "number", "minimum", 0, "maximum", member->max);
     case NUMBERS:
         return json_pack("{s:s, s:i, s:i, s:{s:s}}", "type", "array", "minItems",
                          (int)member->min, "maxItems", (int)member->min, "items", "type",

@@ -88,7 +88,7 @@ static int ask(const struct reading *reading, struct sweep_hit *hit)
     for (uint32_t i = 0; i < sweep->robot->joint_count; i++) {
         most = fmax(most, fabs(reading->ends[1][i] - reading->ends[0][i]));
     }
-    int status = sweep_ask(sweep, reading->ends[0], reading->ends[1], sweep->clearance,
+    int status = sweep_ask(sweep, reading->ends[0], reading->ends[1], sweep->separation,
                            most > 0 ? 0.5 * sweep->bracket / most : 1, hit);
     return status == PCCD_OK ? sweep_look(sweep, hit) : status;
 }

@@ -69,16 +69,16 @@ uint32_t robot_find_part(const struct robot *robot, const char *name)
     return ROBOT_NONE;
 }
 
-int robot_set_apart(struct robot *robot, uint32_t a, uint32_t b, struct ctl_error *error)
+int robot_set_pair(struct robot *robot, uint32_t a, uint32_t b, double clearance,
+                   struct ctl_error *error)
 {
-    void *list = robot->apart;
-    if (!array_reserve(&list, robot->apart_count, &robot->apart_room,
-                       sizeof *robot->apart)) {
+    void *list = robot->pairs;
+    if (!array_reserve(&list, robot->pair_count, &robot->pair_room,
+                       sizeof *robot->pairs)) {
         return lack_memory(error);
     }
-    robot->apart = list;
-    robot->apart[robot->apart_count][0] = a;
-    robot->apart[robot->apart_count++][1] = b;
+    robot->pairs = list;
+    robot->pairs[robot->pair_count++] = (struct robot_pair){{a, b}, clearance};
     return PCCD_OK;
 }
 
@@ -91,7 +91,7 @@ void robot_close(struct robot *robot)
     free(robot->joints);
     free(robot->parts);
     free(robot->shapes);
-    free(robot->apart);
+    free(robot->pairs);
     free(robot->start);
     *robot = (struct robot){.path = NULL};
 }
@@ -333,12 +333,29 @@ static uint32_t mover_of(const struct robot *robot, uint32_t part)
     return joint;
 }
 
+double robot_clearance(const struct robot *robot, uint32_t a, uint32_t b)
+{
+    double clearance = ROBOT_PLAIN;
+    for (size_t i = 0; i < robot->pair_count; i++) {
+        const uint32_t *parts = robot->pairs[i].parts;
+        if ((parts[0] == a && parts[1] == b) || (parts[0] == b && parts[1] == a)) {
+            clearance = robot->pairs[i].clearance;
+        }
+    }
+    return clearance;
+}
+
+bool robot_has_clearances(const struct robot *robot)
+{
+    bool has = false;
+    for (size_t i = 0; i < robot->pair_count && !has; i++) {
+        has = robot->pairs[i].clearance != ROBOT_APART;
+    }
+    return has;
+}
+
 bool robot_never_asks(const struct robot *robot, uint32_t a, uint32_t b)
 {
-    bool is_apart = a == b || mover_of(robot, a) == mover_of(robot, b);
-    for (size_t i = 0; i < robot->apart_count && !is_apart; i++) {
-        const uint32_t *pair = robot->apart[i];
-        is_apart = (pair[0] == a && pair[1] == b) || (pair[0] == b && pair[1] == a);
-    }
-    return is_apart;
+    return a == b || mover_of(robot, a) == mover_of(robot, b) ||
+           robot_clearance(robot, a, b) == ROBOT_APART;
 }

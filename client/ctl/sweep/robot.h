@@ -73,6 +73,15 @@ struct robot_shape {
     uint32_t edge_count; /* .. and how many edges that has there */
 };
 
+#define ROBOT_APART (-1.0)
+#define ROBOT_PLAIN (-2.0)
+
+/* Two parts, and what is said of them. */
+struct robot_pair {
+    uint32_t parts[2];
+    double clearance; /* or ROBOT_APART */
+};
+
 /* Fill with {0}; robot_close's to give back, also on error. Names are those of the file
  * that was read: of `xml`, or of the scene, which lives as long. */
 struct robot {
@@ -82,8 +91,8 @@ struct robot {
     struct robot_part *parts;
     struct robot_shape *shapes;
     uint32_t joint_count, part_count, shape_count;
-    uint32_t (*apart)[2]; /* ours: parts that may meet, by design */
-    size_t apart_count, apart_room;
+    struct robot_pair *pairs; /* ours: [pair_count] parts of which something is said */
+    size_t pair_count, pair_room;
     double *start; /* [joint_count]: values of joints where nothing else is said */
 };
 
@@ -119,8 +128,10 @@ uint32_t robot_find_joint(const struct robot *robot, const char *name);
 uint32_t robot_find_part(const struct robot *robot, const char *name);
 /* Set the rotation of a place: roll, pitch, yaw turn about fixed x, then y, then z. */
 void robot_turn(struct robot_place *place, const double rpy[3]);
-/* Let two parts meet by design. Errors: E_NOMEM. */
-int robot_set_apart(struct robot *robot, uint32_t a, uint32_t b, struct ctl_error *error);
+/* Let two parts meet by design (ROBOT_APART), or keep a clearance in the place of their
+ * radii; of what is said of two the last counts. Errors: E_NOMEM. */
+int robot_set_pair(struct robot *robot, uint32_t a, uint32_t b, double clearance,
+                   struct ctl_error *error);
 /* Sort joints, so that each comes behind its parent; find the leaders of those that
  * follow; judge axes and ranges; set `start`. Errors: E_NOMEM, E_LIMIT; E_FORMAT: joints
  * that hang on each other, or follow each other, in a ring; an axis of length 0; a range
@@ -149,5 +160,9 @@ void robot_joints(const struct robot *robot, const double *from, const double *t
 /* Return whether the joints between two parts are all FIXED, or whether the two may
  * meet. */
 bool robot_never_asks(const struct robot *robot, uint32_t a, uint32_t b);
+/* Return the clearance that is said of two parts; ROBOT_APART; ROBOT_PLAIN: nothing. */
+double robot_clearance(const struct robot *robot, uint32_t a, uint32_t b);
+/* Return whether two parts have a clearance of their own. */
+bool robot_has_clearances(const struct robot *robot);
 
 #endif

@@ -120,9 +120,10 @@ int robot_take_scene(struct robot *robot, const struct scene *scene,
     for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
         status = take_object(robot, &scene->objects[i], error);
     }
-    for (size_t i = 0; i < scene->ignored_count && status == PCCD_OK; i++) {
-        status =
-            robot_set_apart(robot, scene->ignored[i][0], scene->ignored[i][1], error);
+    for (size_t i = 0; i < scene->pair_count && status == PCCD_OK; i++) {
+        const struct scene_pair *pair = &scene->pairs[i];
+        status = robot_set_pair(robot, pair->objects[0], pair->objects[1],
+                                pair->is_ignored ? ROBOT_APART : pair->clearance, error);
     }
     return status == PCCD_OK ? robot_finish(robot, error) : status;
 }

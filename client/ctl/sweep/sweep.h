@@ -24,13 +24,16 @@ struct sweep {
     struct pccd_client *client; /* the caller's */
     const struct robot *robot;  /* the caller's */
     struct ctl_error *error;    /* the caller's; has the text of all that goes wrong */
-    double clearance;           /* a distance that parts keep; 0: they may touch not */
+    double clearance; /* a distance that parts keep which have none of their own; 0: they
+                       * may not touch */
     double bracket;             /* of a jam, at most, in radians or the file's unit */
-    double least;        /* find the least distance to this part of the size; 0: do not */
+    double least;        /* find the least distance to this part of the size; 0: do not;
+                          * not where pairs have a clearance of their own */
     uint32_t limit;      /* of motions for a range of several joints */
     uint32_t threads;    /* at most; 0: the daemon decides */
     uint32_t scene;      /* ours, as is what follows */
     uint64_t pair_count; /* of parts that may meet */
+    double separation;   /* of motions: the clearance, unless pairs have their own */
     uint64_t asked;      /* motions */
     bool is_open; /* not all shapes are closed: what is within others is not looked for */
     struct pccd_joint *joints;

@@ -32,6 +32,26 @@ static int put_shape(struct sweep *sweep, struct robot_shape *shape)
                              : status;
 }
 
+/* Say how near two shapes may come. If any two have a clearance of their own, each pair
+ * has, and the separation is only what is searched with. */
+static int set_pair(struct sweep *sweep, const struct robot_shape *a,
+                    const struct robot_shape *b)
+{
+    double clearance = robot_clearance(sweep->robot, a->part, b->part);
+    if (robot_never_asks(sweep->robot, a->part, b->part)) {
+        return pccd_pair_ignore(sweep->client, sweep->scene, a->handle, b->handle, true);
+    }
+    sweep->pair_count++;
+    if (!robot_has_clearances(sweep->robot)) {
+        return PCCD_OK;
+    }
+    if (clearance == ROBOT_PLAIN) {
+        clearance = a->settings.radius + b->settings.radius + sweep->clearance;
+    }
+    return pccd_pair_clearance(sweep->client, sweep->scene, a->handle, b->handle,
+                               clearance);
+}
+
 int sweep_begin(struct sweep *sweep)
 {
     const struct robot *robot = sweep->robot;
@@ -41,6 +61,7 @@ int sweep_begin(struct sweep *sweep)
     if (sweep->joints == NULL || sweep->motions == NULL) {
         return ctl_error_set(sweep->error, PCCD_E_NOMEM, "out of memory");
     }
+    sweep->separation = robot_has_clearances(robot) ? 0 : sweep->clearance;
     int status = pccd_scene_create(sweep->client, NULL, &sweep->scene);
     for (uint32_t i = 0; i < robot->shape_count && status == PCCD_OK; i++) {
         struct robot_shape *shape = &robot->shapes[i];
@@ -51,14 +72,7 @@ int sweep_begin(struct sweep *sweep)
     }
     for (uint32_t a = 0; a < robot->shape_count; a++) {
         for (uint32_t b = a + 1; b < robot->shape_count && status == PCCD_OK; b++) {
-            const struct robot_shape *first = &robot->shapes[a];
-            const struct robot_shape *second = &robot->shapes[b];
-            if (robot_never_asks(robot, first->part, second->part)) {
-                status = pccd_pair_ignore(sweep->client, sweep->scene, first->handle,
-                                          second->handle, true);
-            } else {
-                sweep->pair_count++;
-            }
+            status = set_pair(sweep, &robot->shapes[a], &robot->shapes[b]);
         }
     }
     return fail(sweep, status);

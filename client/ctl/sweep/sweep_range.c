@@ -122,7 +122,7 @@ static int pass(struct course *course, double a, double b, struct sweep_answer *
     for (uint32_t i = 0; status == PCCD_OK; i++) {
         struct sweep_hit hit;
         struct sweep_box gap;
-        status = ask(course, a, b, whole, course->sweep->clearance, &hit);
+        status = ask(course, a, b, whole, course->sweep->separation, &hit);
         if (status == PCCD_OK && i == 0) {
             status = sweep_look(course->sweep, &hit);
         }
@@ -192,7 +192,7 @@ static bool halve(struct cells *cells, const struct sweep_box *box, uint32_t joi
 static int search(struct course *course, struct sweep_box *box, const double *levers,
                   bool is_last, struct cells *cells, struct sweep_answer *answer)
 {
-    double clearance = course->sweep->clearance, r = 0, most = -1;
+    double separation = course->sweep->separation, r = 0, most = -1;
     double a = box->ends[0][0], b = box->ends[0][1];
     uint32_t widest = 1;
     struct sweep_hit wide, hit;
@@ -202,10 +202,10 @@ static int search(struct course *course, struct sweep_box *box, const double *le
         widest = way > most ? k : widest;
         most = fmax(most, way);
     }
-    int status = ask(course, a, b, box, clearance + r * (1 + 1e-12), &wide);
+    int status = ask(course, a, b, box, separation + r * (1 + 1e-12), &wide);
     hit = wide;
     if (status == PCCD_OK && wide.is_there && r > 0) {
-        status = ask(course, a, b, box, clearance, &hit);
+        status = ask(course, a, b, box, separation, &hit);
     }
     if (status == PCCD_OK) {
         status = sweep_look(course->sweep, &hit);
@@ -255,9 +255,9 @@ static int find_least(struct course *course, struct sweep_answer *answer)
     const struct sweep_box *whole = (const struct sweep_box *)course->range->ends;
     double a = whole->ends[0][0], b = whole->ends[0][1];
     double *least = answer->least, size = course->size;
-    double gap = course->sweep->least * size, next = fmax(course->sweep->clearance, gap);
+    double gap = course->sweep->least * size, next = fmax(course->sweep->separation, gap);
     int status = PCCD_OK;
-    least[0] = course->sweep->clearance;
+    least[0] = course->sweep->separation;
     while (status == PCCD_OK && least[1] - least[0] > gap && next < 4 * size) {
         struct sweep_hit hit;
         status = ask(course, a, b, whole, next, &hit);

@@ -62,6 +62,14 @@ void sweep_report_begin(FILE *to, const struct sweep *sweep)
     if (sweep->clearance > 0) {
         fprintf(to, "clearance  %.12g: what comes nearer is a jam\n", sweep->clearance);
     }
+    for (size_t i = 0; i < robot->pair_count; i++) {
+        const struct robot_pair *pair = &robot->pairs[i];
+        if (pair->clearance != ROBOT_APART) {
+            fprintf(to, "clearance  %.12g between %s and %s\n", pair->clearance,
+                    tool_shown(robot->parts[pair->parts[0]].name),
+                    tool_shown(robot->parts[pair->parts[1]].name));
+        }
+    }
 }
 
 void sweep_report_still(FILE *to, const struct robot *robot)

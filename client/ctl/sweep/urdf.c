@@ -356,8 +356,8 @@ static void take_pairs(struct reader *reader, const char *state)
                 }
             }
             if (reader->xml->status == PCCD_OK) {
-                reader->xml->status =
-                    robot_set_apart(robot, parts[0], parts[1], reader->xml->error);
+                reader->xml->status = robot_set_pair(robot, parts[0], parts[1],
+                                                     ROBOT_APART, reader->xml->error);
             }
         }
     }

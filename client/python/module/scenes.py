@@ -268,6 +268,16 @@ class Scenes:
                                          u32("object_a", object_a),
                                          u32("object_b", object_b), bool(ignored)))
 
+    def pair_clearance(self, scene: int, object_a: int, object_b: int,
+                       clearance: float) -> None:
+        """Have two objects meet in steps within this distance and the separation, in the
+        place of their radii: at 0 where their features pass through each other. Removing
+        either ends it, and so does pair_ignore. E_INVAL; E_LIMIT; E_ACCESS: neither is
+        ours."""
+        self._check(lib.pccd_pair_clearance(self._handle, u32("scene", scene),
+                                            u32("object_a", object_a),
+                                            u32("object_b", object_b), clearance))
+
     # -- scenes that clients share --
 
     def scene_wait(self, scene: int, timeout: Optional[float] = None) -> Any:

@@ -96,7 +96,8 @@ static bool rests(struct eng_narrow_thick *work, enum pccd_kind kind,
              is_near_at_rest(&work->distances, kind, pair)));
 }
 
-/* The radii of a pair; whether it has a distance, but for its rest. */
+/* The radii of a pair, or its clearance in the place of the first; whether it has a
+ * distance, but for its rest. */
 static bool measure(const struct eng_worker *worker, enum pccd_kind kind,
                     const struct eng_point *points, const uint32_t quad[4],
                     double radius[3])
@@ -106,6 +107,13 @@ static bool measure(const struct eng_worker *worker, enum pccd_kind kind,
     radius[2] = worker->scene->thickness.separation;
     if (eng_thickness_is_plain(worker->scene)) {
         return true;
+    }
+    double clearance =
+        eng_thickness_clearance(worker->scene, (uint32_t)(points[quad[0]].word0 >> 32),
+                                (uint32_t)(points[quad[sides[0]]].word0 >> 32));
+    if (clearance >= 0) {
+        radius[0] = clearance;
+        return clearance + radius[2] > 0;
     }
     struct pair pair = pair_of(worker->scene, points, quad, sides);
     radius[0] = eng_thickness_radius(pair.object[0], pair.v, sides[0]);

@@ -30,7 +30,7 @@ static uint32_t home_of(const struct eng_pairset *set, uint64_t key)
 static uint32_t find(const struct eng_pairset *set, uint64_t key)
 {
     uint32_t at = home_of(set, key);
-    while (set->slots[at] != key && set->slots[at] != ENG_PAIRSET_EMPTY) {
+    while (set->slots[at].key != key && set->slots[at].key != ENG_PAIRSET_EMPTY) {
         at = (at + 1) & (set->capacity - 1);
     }
     return at;
@@ -60,9 +60,9 @@ static int grow(struct eng_pairset *set)
     }
     memset(more.slots, 0xff, more.capacity * sizeof *more.slots); /* empty */
     for (uint32_t i = 0; i < set->capacity; i++) {
-        uint64_t key = set->slots[i];
-        if (key != ENG_PAIRSET_EMPTY) {
-            more.slots[find(&more, key)] = key;
+        struct eng_pairset_slot slot = set->slots[i];
+        if (slot.key != ENG_PAIRSET_EMPTY) {
+            more.slots[find(&more, slot.key)] = slot;
         }
     }
     eng_free(set->slots);
@@ -70,10 +70,11 @@ static int grow(struct eng_pairset *set)
     return PCCD_OK;
 }
 
-int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
+int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b, double value)
 {
     uint64_t key = key_of(a, b);
     if (eng_pairset_has(set, a, b)) {
+        set->slots[find(set, key)].value = value;
         return PCCD_OK;
     }
     if (2 * (set->count + 1) > set->capacity) {
@@ -82,7 +83,7 @@ int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
             return status;
         }
     }
-    set->slots[find(set, key)] = key;
+    set->slots[find(set, key)] = (struct eng_pairset_slot){key, value};
     set->count++;
     return PCCD_OK;
 }
@@ -92,15 +93,15 @@ int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
 static void clear(struct eng_pairset *set, uint32_t gap)
 {
     uint32_t mask = set->capacity - 1;
-    for (uint32_t at = (gap + 1) & mask; set->slots[at] != ENG_PAIRSET_EMPTY;
+    for (uint32_t at = (gap + 1) & mask; set->slots[at].key != ENG_PAIRSET_EMPTY;
          at = (at + 1) & mask) {
-        uint32_t home = home_of(set, set->slots[at]);
+        uint32_t home = home_of(set, set->slots[at].key);
         if (((at - home) & mask) >= ((at - gap) & mask)) {
             set->slots[gap] = set->slots[at];
             gap = at;
         }
     }
-    set->slots[gap] = ENG_PAIRSET_EMPTY;
+    set->slots[gap].key = ENG_PAIRSET_EMPTY;
     if (--set->count == 0) {
         eng_pairset_deinit(set);
     }
@@ -116,20 +117,32 @@ void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b)
 bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b)
 {
     uint64_t key = key_of(a, b);
-    return set->count > 0 && set->slots[find(set, key)] == key;
+    return set->count > 0 && set->slots[find(set, key)].key == key;
+}
+
+double eng_pairset_value(const struct eng_pairset *set, uint32_t a, uint32_t b,
+                         double other)
+{
+    uint64_t key = key_of(a, b);
+    if (set->count == 0) {
+        return other;
+    }
+    const struct eng_pairset_slot *slot = &set->slots[find(set, key)];
+    return slot->key == key ? slot->value : other;
 }
 
 bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
-                      uint32_t *other)
+                      uint32_t *other, double *value)
 {
     /* What moves up into a place that was emptied is looked at next; what goes round from
      * the start to the end of the places was looked at before. */
     for (; *from < set->capacity; ++*from) {
-        uint64_t key = set->slots[*from];
+        uint64_t key = set->slots[*from].key;
         uint32_t lesser = (uint32_t)(key >> 32);
         uint32_t greater = (uint32_t)key;
         if (key != ENG_PAIRSET_EMPTY && (lesser == a || greater == a)) {
             *other = lesser == a ? greater : lesser;
+            *value = set->slots[*from].value;
             clear(set, *from);
             return true;
         }
@@ -137,13 +150,15 @@ bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
     return false;
 }
 
-bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2])
+bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2],
+                      double *value)
 {
     while (*from < set->capacity) {
-        uint64_t key = set->slots[(*from)++];
-        if (key != ENG_PAIRSET_EMPTY) {
-            pair[0] = (uint32_t)(key >> 32);
-            pair[1] = (uint32_t)key;
+        const struct eng_pairset_slot *slot = &set->slots[(*from)++];
+        if (slot->key != ENG_PAIRSET_EMPTY) {
+            pair[0] = (uint32_t)(slot->key >> 32);
+            pair[1] = (uint32_t)slot->key;
+            *value = slot->value;
             return true;
         }
     }
@@ -153,20 +168,21 @@ bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pa
 /* Take out every pair of which `goes` says so: it is asked once of each. One look at
  * every place, however many go. */
 static void prune(struct eng_pairset *set,
-                  bool (*goes)(void *context, uint32_t a, uint32_t b), void *context)
+                  bool (*goes)(void *context, uint32_t a, uint32_t b, double value),
+                  void *context)
 {
     /* What moves up into a place that was emptied is asked about next. What goes round
      * from the start was asked about there, and stays: up to the first gap, which nothing
      * goes round, those are asked about last. */
     uint32_t start = 0;
-    while (start < set->capacity && set->slots[start] != ENG_PAIRSET_EMPTY) {
+    while (start < set->capacity && set->slots[start].key != ENG_PAIRSET_EMPTY) {
         start++;
     }
     for (uint32_t i = 0, n = set->capacity; i < n && set->capacity > 0;) {
         uint32_t at = (start + i) & (set->capacity - 1);
-        uint64_t key = set->slots[at];
-        if (key != ENG_PAIRSET_EMPTY &&
-            goes(context, (uint32_t)(key >> 32), (uint32_t)key)) {
+        const struct eng_pairset_slot *slot = &set->slots[at];
+        if (slot->key != ENG_PAIRSET_EMPTY && goes(context, (uint32_t)(slot->key >> 32),
+                                                   (uint32_t)slot->key, slot->value)) {
             clear(set, at); /* without the last one, there are no places */
         } else {
             i++;
@@ -185,13 +201,13 @@ void eng_masks_init(struct eng_masks *masks)
 void eng_masks_deinit(struct eng_masks *masks)
 {
     eng_free(masks->entries);
-    eng_pairset_deinit(&masks->ignored);
+    eng_pairset_deinit(&masks->pairs);
 }
 
 uint64_t eng_masks_bytes(const struct eng_masks *masks)
 {
     return (uint64_t)masks->capacity * sizeof *masks->entries +
-           eng_pairset_bytes(&masks->ignored);
+           eng_pairset_bytes(&masks->pairs);
 }
 
 int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity)
@@ -233,27 +249,36 @@ void eng_masks_leave_out(struct eng_masks *masks, uint32_t object, enum eng_self
     entry->left_out = left_out;
 }
 
-int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored)
+/* A pair goes, which was said to be so. */
+static void count_out(struct eng_masks *masks, uint32_t a, uint32_t b, double value)
+{
+    masks->entries[a].pairs--;
+    masks->entries[b].pairs--;
+    masks->ignored_count -= value == ENG_PAIR_IGNORED;
+}
+
+int eng_masks_set_pair(struct eng_masks *masks, uint32_t a, uint32_t b, double value)
 {
     assert(a != b && a < masks->capacity && b < masks->capacity);
-    bool was_ignored = eng_masks_ignores(masks, a, b);
-    if (ignored == was_ignored) {
+    double before = eng_masks_pair(masks, a, b);
+    if (value == before) {
         return PCCD_OK;
     }
-    if (!ignored) {
-        eng_pairset_remove(&masks->ignored, a, b);
-        masks->entries[a].ignored--;
-        masks->entries[b].ignored--;
+    if (value == ENG_PAIR_PLAIN) {
+        eng_pairset_remove(&masks->pairs, a, b);
+        count_out(masks, a, b, before);
         masks->version++;
         return PCCD_OK;
     }
-    if (masks->ignored.count >= PROTO_IGNORED_PER_SCENE) {
+    if (before == ENG_PAIR_PLAIN && masks->pairs.count >= PROTO_IGNORED_PER_SCENE) {
         return PCCD_E_LIMIT;
     }
-    int status = eng_pairset_add(&masks->ignored, a, b);
+    int status = eng_pairset_add(&masks->pairs, a, b, value);
     if (status == PCCD_OK) {
-        masks->entries[a].ignored++;
-        masks->entries[b].ignored++;
+        masks->entries[a].pairs += before == ENG_PAIR_PLAIN;
+        masks->entries[b].pairs += before == ENG_PAIR_PLAIN;
+        masks->ignored_count += value == ENG_PAIR_IGNORED;
+        masks->ignored_count -= before == ENG_PAIR_IGNORED;
         masks->version++;
     }
     return status;
@@ -267,20 +292,19 @@ void eng_masks_exclude(struct eng_masks *masks, uint32_t object)
     masks->entries[object].is_excluded = true;
 }
 
-static bool goes(void *context, uint32_t a, uint32_t b)
+static bool goes(void *context, uint32_t a, uint32_t b, double value)
 {
-    const struct eng_masks *masks = context;
+    struct eng_masks *masks = context;
     if (!masks->entries[a].is_excluded && !masks->entries[b].is_excluded) {
         return false;
     }
-    masks->entries[a].ignored--;
-    masks->entries[b].ignored--;
+    count_out(masks, a, b, value);
     return true;
 }
 
 void eng_masks_purge_excluded(struct eng_masks *masks)
 {
-    prune(&masks->ignored, goes, masks);
+    prune(&masks->pairs, goes, masks);
     masks->version++;
 }
 
@@ -290,10 +314,10 @@ void eng_masks_forget(struct eng_masks *masks, uint32_t object)
     struct eng_masks_entry *entry = &masks->entries[object];
     uint32_t from = 0;
     uint32_t other;
-    while (entry->ignored > 0 &&
-           eng_pairset_take(&masks->ignored, object, &from, &other)) {
-        entry->ignored--;
-        masks->entries[other].ignored--;
+    double value;
+    while (entry->pairs > 0 &&
+           eng_pairset_take(&masks->pairs, object, &from, &other, &value)) {
+        count_out(masks, object, other, value);
     }
     masks->changed_count -= entry->is_changed;
     masks->left_out_count -= entry->left_out != ENG_SELF_TESTED;

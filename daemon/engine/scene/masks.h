@@ -1,13 +1,13 @@
 /* masks.h - decides which objects of a scene are tested against each other: groups, masks
- * and ignored pairs.
+ * and ignored pairs; and which two have a clearance in the place of their radii.
  *
  * Threads: changed by [compute] between steps; read by the [team].
  *
  * Two objects may meet if a.group & b.mask and b.group & a.mask, and the pair is not
  * ignored. An object may meet itself if its self-collision is on. This takes two ands of
- * words in two cache lines. The set of ignored pairs is asked only about two objects that
- * are both part of an ignored pair. So nothing is precomputed for pairs of objects, of
- * which there may be 2^32, and any setting may change with every step.
+ * words in two cache lines. The set of pairs is asked only about two objects that are
+ * both part of one. So nothing is precomputed for pairs of objects, of which there may be
+ * 2^32, and any setting may change with every step.
  */
 #ifndef ENG_MASKS_H
 #define ENG_MASKS_H
@@ -20,14 +20,19 @@
 
 /* ---- pairs ------------------------------------------------------------------------- */
 
-/* A hash set of pairs of numbers in which (a, b) and (b, a) are the same pair. Changed by
- * one thread at a time, while nobody reads; reads: [any].
+/* A hash table of pairs of numbers, each with a value, in which (a, b) and (b, a) are the
+ * same pair. Changed by one thread at a time, while nobody reads; reads: [any].
  *
  * All zero is the empty set. Places are tried one after the other from the one that the
  * hash names on; a place that is taken away is filled by those behind it, so that a
  * search ends at the first empty one. */
+struct eng_pairset_slot {
+    uint64_t key; /* lesser << 32 | greater, or ENG_PAIRSET_EMPTY */
+    double value;
+};
+
 struct eng_pairset {
-    uint64_t *slots;   /* [capacity] lesser << 32 | greater, or ENG_PAIRSET_EMPTY */
+    struct eng_pairset_slot *slots; /* [capacity] */
     uint64_t factor;   /* of the hash, odd: who chooses the pairs does not know it */
     uint32_t capacity; /* a power of two; 0: no memory is held */
     uint32_t count;    /* at most half of the capacity */
@@ -39,21 +44,30 @@ struct eng_pairset {
 void eng_pairset_deinit(struct eng_pairset *set);
 size_t eng_pairset_bytes(const struct eng_pairset *set);
 
-/* Add a pair, a != b, if the set has it not yet. PCCD_E_NOMEM: the set is as before. */
-int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b);
+/* Add a pair, a != b, if the set has it not yet; it has that value then. PCCD_E_NOMEM:
+ * the set is as before. */
+int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b, double value);
 
 /* Remove a pair, if the set has it. The memory goes with the last one. */
 void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b);
 /* Return whether the set has the pair. */
 bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b);
+/* Return the value of a pair; `other`: the set has it not. */
+double eng_pairset_value(const struct eng_pairset *set, uint32_t a, uint32_t b,
+                         double other);
 
 /* Find the next pair after *from, which is 0 first; false: there are no more. */
-bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2]);
+bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2],
+                      double *value);
 
-/* Take a pair out that has `a`; *other is the other number. False: there is none. A
- * search for all of them goes on at *from, which is 0 first. */
+/* Take a pair out that has `a`; *other is the other number, *value what it had. False:
+ * there is none. A search for all of them goes on at *from, which is 0 first. */
 bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
-                      uint32_t *other);
+                      uint32_t *other, double *value);
+
+/* The value of a pair of objects is their clearance, at least 0, or one of these. */
+#define ENG_PAIR_IGNORED (-1.0)
+#define ENG_PAIR_PLAIN   (-2.0) /* their radii count; no pair of the set has it */
 
 /* ---- masks ------------------------------------------------------------------------- */
 
@@ -69,7 +83,7 @@ enum eng_self {
 struct eng_masks_entry {
     uint64_t group;
     uint64_t mask;
-    uint32_t ignored; /* pairs that it is part of */
+    uint32_t pairs; /* of which something is said, that it is part of */
     bool self;
     bool is_changed;        /* not as an object begins */
     bool is_excluded;       /* about to go away */
@@ -81,7 +95,8 @@ struct eng_masks {
     uint32_t capacity;
     uint32_t changed_count;  /* entries that are changed */
     uint32_t left_out_count; /* entries of which anything is left out in this step */
-    struct eng_pairset ignored;
+    struct eng_pairset pairs; /* of which something is said */
+    uint32_t ignored_count;   /* of these */
     uint32_t version; /* goes on with every change, and round */
 };
 
@@ -107,23 +122,36 @@ void eng_masks_set(struct eng_masks *masks, uint32_t object,
  * asked of the entry, pair by pair. */
 void eng_masks_leave_out(struct eng_masks *masks, uint32_t object,
                          enum eng_self left_out);
-/* Ignore a pair of two different objects, or no longer if `ignored` is false.
+/* Have a pair of two different objects ignored, or plain, or with a clearance.
  * PCCD_E_LIMIT, PCCD_E_NOMEM: as before. */
-int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored);
+int eng_masks_set_pair(struct eng_masks *masks, uint32_t a, uint32_t b, double value);
 
 /* Return whether there is anything that may be left out. If not, nobody needs to ask. */
 static inline bool eng_masks_is_on(const struct eng_masks *masks)
 {
-    return masks->changed_count > 0 || masks->ignored.count > 0 ||
+    return masks->changed_count > 0 || masks->ignored_count > 0 ||
            masks->left_out_count > 0;
+}
+
+/* Return what is said of a pair of two different objects. */
+static inline double eng_masks_pair(const struct eng_masks *masks, uint32_t a, uint32_t b)
+{
+    return masks->entries[a].pairs > 0 && masks->entries[b].pairs > 0
+               ? eng_pairset_value(&masks->pairs, a, b, ENG_PAIR_PLAIN)
+               : ENG_PAIR_PLAIN;
 }
 
 /* Return whether a pair of objects is ignored. */
 static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
                                      uint32_t b)
 {
-    return masks->entries[a].ignored > 0 && masks->entries[b].ignored > 0 &&
-           eng_pairset_has(&masks->ignored, a, b);
+    return eng_masks_pair(masks, a, b) == ENG_PAIR_IGNORED;
+}
+
+/* Return whether some pairs have a clearance. */
+static inline bool eng_masks_have_clearances(const struct eng_masks *masks)
+{
+    return masks->pairs.count > masks->ignored_count;
 }
 
 /* Return whether the step looks for no pair of two different objects. */

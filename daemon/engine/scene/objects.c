@@ -264,6 +264,7 @@ int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
     status = place(scene, object_idx, mesh, before.id);
     if (status == PCCD_OK) {
         object->thickness = before.thickness;
+        object->half_clearance = before.half_clearance;
         eng_thickness_look(scene, object);
         scene->leaf_count -= before.mesh->leaf_count;
         scene->replaced[scene->replaced_count++] =
@@ -366,25 +367,39 @@ void eng_scene_purge_excluded(struct eng_scene *scene)
     eng_masks_purge_excluded(&scene->masks);
 }
 
-int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
-                     bool ignored)
+static int set_pair(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx, double value)
 {
     if (a_idx == b_idx || !eng_scene_object(scene, a_idx) ||
         !eng_scene_object(scene, b_idx)) {
         return PCCD_E_INVAL;
     }
-    return eng_masks_ignore(&scene->masks, a_idx, b_idx, ignored);
+    return eng_masks_set_pair(&scene->masks, a_idx, b_idx, value);
+}
+
+int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
+                     bool ignored)
+{
+    return set_pair(scene, a_idx, b_idx, ignored ? ENG_PAIR_IGNORED : ENG_PAIR_PLAIN);
+}
+
+int eng_scene_set_pair_clearance(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
+                                 double clearance)
+{
+    int status = eng_mesh_check_radius(clearance);
+    return status == PCCD_OK ? set_pair(scene, a_idx, b_idx, clearance) : status;
 }
 
 uint32_t eng_scene_ignored_count(const struct eng_scene *scene)
 {
-    return scene->masks.ignored.count;
+    return scene->masks.ignored_count;
 }
 
-bool eng_scene_next_ignored(const struct eng_scene *scene, uint32_t *from,
-                            uint32_t pair_idx[2])
+bool eng_scene_next_pair(const struct eng_scene *scene, uint32_t *from,
+                         uint32_t pair_idx[2], bool *ignored, double *clearance)
 {
-    return eng_pairset_next(&scene->masks.ignored, from, pair_idx);
+    bool is_there = eng_pairset_next(&scene->masks.pairs, from, pair_idx, clearance);
+    *ignored = is_there && *clearance == ENG_PAIR_IGNORED;
+    return is_there;
 }
 
 uint32_t eng_scene_object_id(const struct eng_scene *scene, uint32_t object_idx)

@@ -120,17 +120,24 @@ int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
 int eng_scene_exclude(struct eng_scene *scene, uint32_t object_idx);
 /* Remove the pairs that excluded objects are part of: once for all of these. */
 void eng_scene_purge_excluded(struct eng_scene *scene);
-/* Ignore a pair of two different objects from the next step on, or take that back if
- * `ignored` is false; it goes with either object. A pair that is as it should be stays
- * so. PCCD_E_INVAL: there are no such two; PCCD_E_LIMIT: PROTO_IGNORED_PER_SCENE are
- * ignored; PCCD_E_NOMEM. As before then. */
+/* Ignore a pair of two different objects from the next step on, or have its radii count
+ * if `ignored` is false; it goes with either object. A pair that is as it should be stays
+ * so. PCCD_E_INVAL: there are no such two; PCCD_E_LIMIT: something is
+ * said of PROTO_IGNORED_PER_SCENE; PCCD_E_NOMEM. As before then. */
 int eng_scene_ignore(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
                      bool ignored);
 uint32_t eng_scene_ignored_count(const struct eng_scene *scene);
+/* Have a pair of two different objects meet within a clearance, 0 .. 1e18, and the
+ * separation of the step, in the place of their radii: from the next step on, and until
+ * either is removed or eng_scene_ignore is told of the pair. Errors as above, and
+ * PCCD_E_INVAL, PCCD_E_LIMIT: no such clearance. */
+int eng_scene_set_pair_clearance(struct eng_scene *scene, uint32_t a_idx, uint32_t b_idx,
+                                 double clearance);
 
-/* Find the next ignored pair after *from, which is 0 first; false: there are no more. */
-bool eng_scene_next_ignored(const struct eng_scene *scene, uint32_t *from,
-                            uint32_t pair_idx[2]);
+/* Find the next pair that is ignored, or has a clearance, after *from, which is 0 first;
+ * false: there are no more. */
+bool eng_scene_next_pair(const struct eng_scene *scene, uint32_t *from,
+                         uint32_t pair_idx[2], bool *ignored, double *clearance);
 
 /* Read an object that there is. Its id and mesh; its vertices where the last step began
  * (0) and ended (1). They lie in the scene until it is staged or changed. */

@@ -14,15 +14,44 @@ static double largest(const struct eng_scene *scene)
     return most;
 }
 
+/* Find the clearances of objects anew, if what is said of pairs may have changed. Return
+ * whether it did. */
+static bool find_clearances(struct eng_scene *scene)
+{
+    struct eng_thickness *thickness = &scene->thickness;
+    uint32_t from = 0;
+    uint32_t pair[2];
+    double clearance;
+    if (scene->masks.version == thickness->masks_version ||
+        (thickness->half_clearance == 0 && !eng_masks_have_clearances(&scene->masks))) {
+        return false;
+    }
+    thickness->masks_version = scene->masks.version;
+    thickness->half_clearance = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        scene->objects[i].half_clearance = 0;
+    }
+    while (eng_pairset_next(&scene->masks.pairs, &from, pair, &clearance)) {
+        for (int side = 0; side < 2; side++) {
+            double *half = &scene->objects[pair[side]].half_clearance;
+            *half = fmax(*half, 0.5 * clearance); /* that of an ignored pair is less */
+            thickness->half_clearance = fmax(thickness->half_clearance, *half);
+        }
+    }
+    return true;
+}
+
 void eng_thickness_begin(struct eng_scene *scene, double separation)
 {
     struct eng_thickness *thickness = &scene->thickness;
-    thickness->number += thickness->has_changed || separation != thickness->separation;
+    bool has_changed = find_clearances(scene) || thickness->has_changed;
+    thickness->number += has_changed || separation != thickness->separation;
     thickness->has_changed = false;
     thickness->separation = separation;
     thickness->most = thickness->may_have_radii ? largest(scene) : 0;
     thickness->may_have_radii = thickness->most > 0;
-    thickness->is_on = separation > 0 || thickness->may_have_radii;
+    thickness->is_on =
+        separation > 0 || thickness->may_have_radii || thickness->half_clearance > 0;
 }
 
 bool eng_thickness_is_within(const struct eng_scene *scene,

@@ -136,6 +136,7 @@ struct eng_object {
     struct eng_box_frame frame; /* of its boxes; not in use while framing.number is 0 */
     uint32_t joint; /* of the last step, on which it turned; PCCD_NO_JOINT: none */
     struct eng_object_thickness thickness;
+    double half_clearance; /* half of the largest that it has with another object */
 };
 
 /* The motion of the last step that was committed (moving.h). */
@@ -164,6 +165,8 @@ struct eng_thickness {
     bool may_have_radii; /* an object has one, or had */
     bool may_rest;       /* an object leaves pairs thin for their rest, or did */
     double most;         /* the largest radius of all objects */
+    double half_clearance;  /* the largest of all objects */
+    uint32_t masks_version; /* .. when these were found */
     bool has_changed;    /* a radius has, since the last step */
     double separation;   /* of the step */
     uint64_t number;     /* goes on with radii and separation; boxes and records say by it

@@ -23,6 +23,7 @@ struct eng_turning {
     struct eng_poses poses;
     struct eng_sweep sweep;
     double separation;
+    double clearance; /* in the place of the radii; negative: there is none */
     double delta;
     struct eng_worker *worker; /* of the task that is performed, or divided */
     bool has_limit;            /* some pairs of the task took too many looks */
@@ -131,10 +132,13 @@ int eng_turning_begin(struct eng_turning *turning,
     }
     eng_poses_begin(&turning->poses, &turning->path);
     turning->separation = objects->separation;
+    turning->clearance = objects->clearance;
     turning->only_proves = false;
     turning->delta = delta_of(turning, objects->resolution);
-    double radii = eng_thickness_most(side[0].object) +
-                   eng_thickness_most(side[1].object) + objects->separation;
+    double radii = objects->clearance >= 0 ? objects->clearance
+                                           : eng_thickness_most(side[0].object) +
+                                                 eng_thickness_most(side[1].object);
+    radii += objects->separation;
     struct eng_sweep *sweep = &turning->sweep;
     sweep->body[0] = side[0].body;
     sweep->body[1] = side[1].body;
@@ -250,6 +254,10 @@ static void make_query(const struct eng_turning *turning, const struct named *na
     for (; count < 4; count++) {
         memcpy(pair->x[0][count], pair->x[0][count - 1], sizeof pair->x[0][count]);
         memcpy(pair->x[1][count], pair->x[1][count - 1], sizeof pair->x[1][count]);
+    }
+    if (turning->clearance >= 0) {
+        pair->radius[0] = turning->clearance;
+        pair->radius[1] = 0;
     }
     pair->radius[2] = turning->separation;
 }

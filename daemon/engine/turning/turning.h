@@ -38,6 +38,7 @@ struct eng_turning_objects {
     struct eng_turning_side side[2]; /* at least one turns; their order does not matter */
     const struct pccd_joint *joints; /* of the step */
     double separation;               /* of the step */
+    double clearance; /* in the place of the radii of the two; negative: there is none */
     /* What is not decided at this length is possible (delta of decide.h): that of the
      * question, 0 .. 1e18; 0: the default. Less than rounding leaves a meaning is raised
      * to that. */

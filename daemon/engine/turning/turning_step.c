@@ -181,7 +181,8 @@ static struct eng_bounds around(struct eng_turning_step *step,
     } else {
         eng_bounds_unite(&box, &object->bounds[1]);
     }
-    widen(&box, 0.5 * separation + eng_thickness_most(object));
+    widen(&box,
+          0.5 * separation + fmax(eng_thickness_most(object), object->half_clearance));
     return box;
 }
 
@@ -470,10 +471,12 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
                         const struct eng_turning_couple *couple)
 {
     const uint32_t objects[2] = {couple->a, couple->b};
-    struct eng_turning_objects both = {.joints = step->scene->joints.items,
-                                       .separation = step->separation,
-                                       .resolution = step->resolution,
-                                       .tests_most = step->tests_most};
+    struct eng_turning_objects both = {
+        .joints = step->scene->joints.items,
+        .separation = step->separation,
+        .clearance = eng_thickness_clearance(step->scene, couple->a, couple->b),
+        .resolution = step->resolution,
+        .tests_most = step->tests_most};
     for (int side = 0; side < 2; side++) {
         const struct eng_object *object = &step->scene->objects[objects[side]];
         both.side[side] =

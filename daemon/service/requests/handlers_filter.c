@@ -197,11 +197,14 @@ static int work_ignore(struct srv_request *request)
     if (status != 0) {
         return status;
     }
-    status = eng_scene_ignore(engine, a->engine_idx, b->engine_idx, asked->ignored);
+    status = asked->has_clearance
+                 ? eng_scene_set_pair_clearance(engine, a->engine_idx, b->engine_idx,
+                                                asked->clearance)
+                 : eng_scene_ignore(engine, a->engine_idx, b->engine_idx, asked->ignored);
     if (status == PCCD_E_LIMIT) {
         return proto_error_set(&request->error, status,
-                               "%u pairs of objects ignore each other in scene 0x%x, "
-                               "no more than that may",
+                               "%u pairs of objects ignore each other, or have a "
+                               "clearance, in scene 0x%x, no more than that may",
                                PROTO_IGNORED_PER_SCENE, asked->scene);
     }
     if (status != 0) {
@@ -236,5 +239,12 @@ int srv_on_SCENE_IGNORE(struct srv_call *call)
                                "says object.set",
                                asked->a);
     }
-    return queue(call, scene, work_ignore, NULL);
+    if (asked->has_clearance && asked->ignored) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "objects that ignore each other have no clearance");
+    }
+    if (asked->has_clearance) {
+        status = srv_check_length(call, "clearance", asked->clearance);
+    }
+    return status != 0 ? status : queue(call, scene, work_ignore, NULL);
 }

@@ -125,8 +125,14 @@ static int work_pair(struct srv_request *request)
     struct eng_scene *engine = request->plan.scene->engine;
     uint32_t cursor = request->params.LIST_PAIR.cursor;
     uint32_t pair[2];
+    bool is_there = engine != NULL;
+    bool ignored = false;
+    double clearance;
+    while (is_there && !ignored) { /* others have a clearance */
+        is_there = eng_scene_next_pair(engine, &cursor, pair, &ignored, &clearance);
+    }
     request->result.LIST_PAIR = (struct proto_LIST_PAIR_result){.a = 0};
-    if (engine != NULL && eng_scene_next_ignored(engine, &cursor, pair)) {
+    if (is_there) {
         request->result.LIST_PAIR =
             (struct proto_LIST_PAIR_result){.a = eng_scene_object_id(engine, pair[0]),
                                             .b = eng_scene_object_id(engine, pair[1]),

@@ -302,6 +302,12 @@ static int explain(const struct srv_step_run *run, int status)
                                "the step: %s has no answer where objects turn",
                                refused);
     }
+    if (!run->params->is_near && status == PCCD_E_INVAL &&
+        eng_step_refuses_start(run->staging.scene->engine, run->question)) {
+        return proto_error_set(error, status,
+                               "the step: how a step begins, with an approach, has no "
+                               "answer where two objects have a clearance");
+    }
     if (!run->params->is_near) {
         return proto_error_set(error, status, "the step: %s", proto_status_text(status));
     }

@@ -312,16 +312,20 @@ static void note_attributes(struct srv_journal *journal, const struct srv_placed
     }
 }
 
-/* All pairs that ignore each other: by index in the engine, to be named by handle. */
-static void note_ignored(struct srv_journal *journal, const struct eng_scene *engine)
+/* All pairs of which something is said: by index in the engine, to be named by handle. */
+static void note_pairs(struct srv_journal *journal, const struct eng_scene *engine)
 {
     uint32_t from = 0;
     uint32_t pair[2];
-    while (eng_scene_next_ignored(engine, &from, pair)) {
+    bool ignored;
+    double clearance;
+    while (eng_scene_next_pair(engine, &from, pair, &ignored, &clearance)) {
         const struct proto_SCENE_IGNORE_request ignore = {
             .a = eng_scene_object_id(engine, pair[0]),
             .b = eng_scene_object_id(engine, pair[1]),
-            .ignored = true};
+            .ignored = ignored,
+            .has_clearance = !ignored,
+            .clearance = ignored ? 0 : clearance};
         (void)add_request(journal, PROTO_METHOD_SCENE_IGNORE, &ignore, 0);
     }
 }
@@ -361,7 +365,7 @@ static void note_scene(struct srv_journal *journal, const struct srv_scene *scen
         }
     }
     if (scene->engine != NULL) {
-        note_ignored(journal, scene->engine);
+        note_pairs(journal, scene->engine);
     }
     placing.segments = places.segments;
     if (places.segments > 0 || places.status != 0) {
