@@ -66,7 +66,7 @@ grow_clients >"$folder/clients.csv" || exit 1
 fit_all >"$folder/exponents.csv" || exit 1
 column -s, -t "$folder/exponents.csv" 2>/dev/null || cat "$folder/exponents.csv"
 if command -v gnuplot >/dev/null; then
-    for kind in png; do
+    for kind in svg; do
         gnuplot -e "folder='$folder'; kind='$kind'" "$here/growth.gp" || exit 1
     done
 else

@@ -105,7 +105,9 @@ figures() {
         return 0
     fi
     for figure in cores rates speedup shares components peers speed; do
-        gnuplot -e "folder='$into'; kind='png'; scripts='$scripts'" "$scripts/$figure.gp"
+        # README's chart is of recorded steps alone.
+        [ "$figure" != speed ] || grep -q '^wide: n-body' "$into/steps.txt" 2>/dev/null || continue
+        gnuplot -e "folder='$into'; kind='svg'; scripts='$scripts'" "$scripts/$figure.gp"
     done
 }
 

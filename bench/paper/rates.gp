@@ -20,19 +20,20 @@ published(scene) = scene eq 'cloth' ? 17.9 : scene eq 'breaking' ? 7.7 : \
 set multiplot layout words(told), 1 title "Frames a second, step after step"
 set logscale y
 set ylabel "frames / s"
-set key outside right top font ',9'
+# Names stand at the ends of their curves.
+set key textcolor variable
+set rmargin 36
 set yrange [2:500]
 do for [scene in told] {
-    set title scene
+    set title sprintf("%s (dotted: published, 8 threads: %.1f)", scene, published(scene))
     set xlabel scene eq word(told, words(told)) ? "step" : ""
     plot steps(scene, 'wide', most) with lines lc 2 lw 1.2 \
-            title sprintf("method wide, %d threads", most), \
-        steps(scene, 'wide', 1) with lines lc 2 dt 2 title 'method wide, 1 thread', \
+            title sprintf("  method wide, %d threads\n", most) at end, \
+        steps(scene, 'wide', 1) with lines lc 2 dt 2 title "\n  method wide, 1 thread" at end, \
         steps(scene, 'paper', most) with lines lc 1 lw 1.2 \
-            title sprintf("method of the paper, %d threads", most), \
+            title sprintf("  method of the paper, %d threads\n", most) at end, \
         steps(scene, 'paper', 1) with lines lc 1 dt 2 \
-            title 'method of the paper, 1 thread', \
-        published(scene) with lines lc rgb 'black' dt 3 \
-            title sprintf("published, 8 threads: %.1f", published(scene))
+            title "\n  method of the paper, 1 thread" at end, \
+        published(scene) with lines lc rgb 'black' dt 3 notitle
 }
 unset multiplot

@@ -49,7 +49,7 @@ fi
 if command -v gnuplot >/dev/null; then
     figures() {
         evaluate model && evaluate figures && (cd "$work/results" &&
-            [ "$(find . -name '*.png' -size +4k | wc -l)" -eq 6 ]) && ! grep -i warning "$log"
+            [ "$(find . -name '*.svg' -size +4k | wc -l)" -eq 6 ]) && ! grep -i warning "$log"
     }
     figures
     tap_result $? evaluation__draws_its_figures "$log"

@@ -32,7 +32,7 @@ bars = sprintf("< awk -v OFS='\t' '" . \
     "    head(\"How much of a step is safe: \" told[v[1]]); bar(\"pccd\", v[2], 1);" . \
     "    bar(\"ipc-toolkit, additive CCD\", v[3], 0);" . \
     "    bar(\"ipc-toolkit, Tight-Inclusion\", v[4], 0) }" . \
-    "' '%s/steps.txt' '%s/peers.csv' '%s/allowed.csv'", folder, folder, folder)
+    "' $(ls '%s/steps.txt' '%s/peers.csv' '%s/allowed.csv' 2>/dev/null)", folder, folder, folder)
 
 set datafile separator "\t"
 set label 'Milliseconds by one thread, on a logarithmic scale; each group is of one run' at screen 0.02, 0.965 font ',16'
