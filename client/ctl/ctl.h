@@ -12,33 +12,36 @@
 
 struct ctl_error;
 
-/* X(name, "what it does"), in the order of the help text. */
+/* X(name, "what it does", "the group that it begins" or NULL), in the order of the help
+ * text. */
 #define CTL_COMMANDS(X)                                                                  \
-    X(status, "show the state of a daemon on one screen")                                \
-    X(top, "show what the clients of a daemon do, again and again")                      \
-    X(list, "list sessions, scenes, objects, pairs or meshes")                           \
-    X(watch, "print a line for each step that a daemon answers")                         \
-    X(stats, "list the daemon's counters")                                               \
-    X(metrics, "print counters and latencies for Prometheus")                       \
-    X(trace, "trace what a daemon's threads do, for Perfetto")                           \
-    X(config, "list, print or change settings of a running daemon")                      \
-    X(doctor, "look for mistakes in a set-up")                                           \
-    X(ping, "measure round trips through the daemon")                                    \
-    X(check, "find the contacts between two or more frames of a mesh")                   \
-    X(near, "tell what is near: pairs, nearest, crossings, depth")                       \
-    X(sweep, "tell what meets while the joints of a robot or machine move")              \
-    X(scene, "write a scene file, or its format")                                        \
-    X(load, "play the frames of a mesh in a daemon")                                     \
-    X(record, "run a program and record what it asks the daemon")                        \
-    X(replay, "repeat a recording and compare every answer")                             \
-    X(verify, "check the answers of a recording by exact arithmetic")                    \
-    X(render, "draw a step of a recording")                                              \
-    X(export, "write a step of a recording for Blender or ParaView")                     \
-    X(inspect, "write a recording as a page for a browser")                              \
-    X(mcp, "give agents tools, by the Model Context Protocol")                           \
-    X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
-    X(completion, "print what a shell needs to complete commands and options")           \
-    X(version, "print the versions of tool and library, and the daemon's process")
+    X(demo, "let a cloth fall on a ball, and draw its contacts", "To begin with")        \
+    X(check, "find the contacts between two or more frames of a mesh", NULL)             \
+    X(near, "tell what is near: pairs, nearest, crossings, depth", NULL)                 \
+    X(render, "draw a step of frames or of a recording, or a film", NULL)                \
+    X(inspect, "write frames or a recording as a page for a browser", NULL)              \
+    X(sweep, "tell what meets while the joints of a robot or machine move",              \
+      "Robots, scenes, other programs")                                                  \
+    X(scene, "write a scene file, or its format", NULL)                                  \
+    X(export, "write steps for Blender or ParaView", NULL)                               \
+    X(mcp, "give agents tools, by the Model Context Protocol", NULL)                     \
+    X(record, "run a program and record what it asks the daemon", "Recordings")          \
+    X(replay, "repeat a recording and compare every answer", NULL)                       \
+    X(verify, "check the answers of a recording by exact arithmetic", NULL)              \
+    X(load, "play the frames of a mesh in a daemon", NULL)                               \
+    X(doctor, "look for mistakes in a set-up", "A daemon")                               \
+    X(status, "show the state of a daemon on one screen", NULL)                          \
+    X(top, "show what the clients of a daemon do, again and again", NULL)                \
+    X(list, "list sessions, scenes, objects, pairs or meshes", NULL)                     \
+    X(watch, "print a line for each step that a daemon answers", NULL)                   \
+    X(stats, "list the daemon's counters", NULL)                                         \
+    X(metrics, "print counters and latencies for Prometheus", NULL)                      \
+    X(trace, "trace what a daemon's threads do, for Perfetto", NULL)                     \
+    X(config, "list, print or change settings of a running daemon", NULL)                \
+    X(ping, "measure round trips through the daemon", NULL)                              \
+    X(completion, "print what a shell needs to complete commands and options",           \
+      "The rest")                                                                        \
+    X(version, "print the versions of tool, library and daemon", NULL)
 
 /* Exit statuses of every command. */
 enum ctl_exit {
@@ -52,7 +55,7 @@ enum ctl_exit {
 
 /* A command gets its own arguments; argv[0] is "pccdctl NAME". Returns an exit status.
  * Help, completion and synopsis come from its table of options. */
-#define CTL_PROTOTYPE(name, text)                                                        \
+#define CTL_PROTOTYPE(name, text, group)                                                 \
     int ctl_cmd_##name(int argc, char **argv);                                           \
     extern const struct option_table ctl_table_##name;
 CTL_COMMANDS(CTL_PROTOTYPE)

@@ -17,7 +17,11 @@ static void print_help(const struct ctl_program *program, FILE *to)
     }
     fputs(program->usage, to);
     for (size_t i = 0; i < program->command_count; i++) {
-        fprintf(to, "  %-10s %s\n", program->commands[i].name, program->commands[i].text);
+        const struct ctl_command *command = &program->commands[i];
+        if (command->group != NULL) {
+            fprintf(to, "%s%s:\n", i > 0 ? "\n" : "", command->group);
+        }
+        fprintf(to, "  %-10s %s\n", command->name, command->text);
     }
     fputs(program->ending, to);
 }

@@ -17,6 +17,7 @@
 struct ctl_command {
     const char *name;
     const char *text;
+    const char *group; /* that it begins, in the help; NULL: none */
     /* argv[0] is "pccdctl NAME", for messages; returns an exit status. */
     int (*run)(int argc, char **argv);
     const struct option_table *table;

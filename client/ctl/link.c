@@ -110,7 +110,14 @@ int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
     if (status == PCCD_OK) {
         return CTL_DONE;
     }
-    const char *text = pccd_error_text(NULL);
+    const char *text = pccd_error_text(NULL), *told = getenv("PCCD_URL");
+    if (status == PCCD_E_NODAEMON && asked.no_autostart && link->url == NULL &&
+        (told == NULL || told[0] == '\0')) {
+        (void)ctl_complain("no daemon runs; a program that needs one starts it: %s; "
+                           "pccdctl doctor tells more",
+                           text);
+        return CTL_NO_DAEMON;
+    }
     (void)ctl_complain(
         "no connection: %s%s", text[0] != '\0' ? text : pccd_status_text(status),
         asked.private_daemon ? "" : "; pccdctl doctor tells what is wrong");

@@ -5,7 +5,8 @@
 #include "rounding.h"
 
 static const struct ctl_command commands[] = {
-#define COMMAND(name, text) {#name, text, ctl_cmd_##name, &ctl_table_##name},
+#define COMMAND(name, text, group)                                                       \
+    {#name, text, group, ctl_cmd_##name, &ctl_table_##name},
     CTL_COMMANDS(COMMAND)
 #undef COMMAND
 };
@@ -15,10 +16,12 @@ static const struct ctl_program program = {
     .usage = "Usage: pccdctl COMMAND [OPTION...]\n"
              "Continuous collision detection of triangle meshes, by the daemon "
              "pccdd.\n\n",
-    .ending = "\n\"pccdctl COMMAND --help\" explains a command.\n"
-              "Exit status: 0 when done; 1 when what was looked for is wrong; 2 after "
-              "wrong\n"
-              "usage; 3 without a daemon; 4 after any other error.\n",
+    .ending =
+        "\n\"pccdctl COMMAND --help\" explains a command. What a command writes takes "
+        "the\nplace of a file of its name; \"record\" wants --force for that.\n"
+        "Exit status: 0 when done; 1 when what was looked for is wrong; 2 after "
+        "wrong\n"
+        "usage; 3 without a daemon; 4 after any other error.\n",
     .commands = commands,
     .command_count = sizeof commands / sizeof commands[0]};
 

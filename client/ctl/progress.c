@@ -2,6 +2,7 @@
 #include "terminal.h"
 
 #include <inttypes.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -13,6 +14,29 @@
 #define REDRAW_NS 50000000u
 #define LEFT_NS   2000000000u /* until then nobody knows how long it takes */
 
+static volatile sig_atomic_t is_drawn; /* a bar, on the row of the cursor */
+
+/* Take the bar away, and end as if nobody had caught the signal. */
+static void on_end(int number)
+{
+    static const char clear[] = "\r\033[K";
+    if (is_drawn) {
+        ssize_t written = write(STDERR_FILENO, clear, sizeof clear - 1);
+        (void)written;
+    }
+    (void)raise(number); /* which SA_RESETHAND lets end the program */
+}
+
+/* Catch what ends the program, unless that is caught or ignored already. */
+static void catch_end(int number)
+{
+    const struct sigaction action = {.sa_handler = on_end, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction now;
+    if (sigaction(number, NULL, &now) == 0 && now.sa_handler == SIG_DFL) {
+        (void)sigaction(number, &action, NULL);
+    }
+}
+
 void progress_begin(struct progress *progress, const char *label, uint64_t total)
 {
     progress->label = label;
@@ -20,6 +44,10 @@ void progress_begin(struct progress *progress, const char *label, uint64_t total
     progress->drawn_ns = 0;
     progress->begin_ns = 0;
     progress->is_on = total > 0 && terminal_has_live_errors();
+    if (progress->is_on) {
+        catch_end(SIGINT);
+        catch_end(SIGTERM);
+    }
 }
 
 /* Return how much of a row is left for the bar: a row that wraps would stay behind at
@@ -73,6 +101,7 @@ void progress_update(struct progress *progress, uint64_t done)
         bar[i] = i < filled ? '#' : '.';
     }
     bar[chars] = '\0';
+    is_drawn = 1;
     fprintf(stderr, "\r%s [%s] %s\033[K", progress->label, bar, count);
     progress->drawn_ns = now;
 }
@@ -81,6 +110,7 @@ void progress_clear(struct progress *progress)
 {
     if (progress->is_on && progress->drawn_ns != 0) {
         fputs("\r\033[K", stderr);
+        is_drawn = 0;
     }
     progress->drawn_ns = 0;
 }

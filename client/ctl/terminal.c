@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -14,6 +15,8 @@
 
 static bool is_forbidden;
 static volatile sig_atomic_t is_interrupted;
+static struct termios found; /* how the terminal was, while has_keys */
+static bool has_keys;
 
 void terminal_forbid_colours(void)
 {
@@ -102,6 +105,42 @@ void terminal_sleep(double seconds)
     left.tv_nsec = (long)((seconds - (double)left.tv_sec) * 1e9);
     while (!is_interrupted && nanosleep(&left, &left) != 0) {
         continue;
+    }
+}
+
+void terminal_take_keys(void)
+{
+    bool is_ours = tcgetpgrp(STDIN_FILENO) == getpgrp(); /* or to set it would stop us */
+    if (is_ours && tcgetattr(STDIN_FILENO, &found) == 0) {
+        struct termios wanted = found;
+        wanted.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
+        has_keys = tcsetattr(STDIN_FILENO, TCSANOW, &wanted) == 0;
+    }
+}
+
+void terminal_free_keys(void)
+{
+    if (has_keys) {
+        (void)tcsetattr(STDIN_FILENO, TCSANOW, &found);
+        has_keys = false;
+    }
+}
+
+void terminal_wait(double seconds)
+{
+    double end = terminal_now_s() + seconds, left = seconds;
+    char key = 0;
+    for (; has_keys && left > 0 && !is_interrupted; left = end - terminal_now_s()) {
+        struct pollfd keys = {.fd = STDIN_FILENO, .events = POLLIN};
+        if (poll(&keys, 1, (int)(left * 1e3) + 1) == 1) {
+            if (read(STDIN_FILENO, &key, 1) != 1) {
+                break; /* it has gone */
+            }
+            is_interrupted = is_interrupted || key == 'q' || key == 'Q';
+        }
+    }
+    if (left > 0) {
+        terminal_sleep(left);
     }
 }
 

@@ -35,6 +35,12 @@ bool terminal_was_interrupted(void);
 bool terminal_has_no_reader(void);
 /* Sleep, or until an interrupt. */
 void terminal_sleep(double seconds);
+/* Let terminal_wait see keys as they are pressed, if the standard input is a terminal of
+ * ours; until terminal_free_keys. */
+void terminal_take_keys(void);
+void terminal_free_keys(void);
+/* Sleep, or until an interrupt or the key q, which counts as one. */
+void terminal_wait(double seconds);
 /* Return the time of CLOCK_MONOTONIC, in seconds. */
 double terminal_now_s(void);
 

@@ -537,6 +537,23 @@ ctl --help && says '^  ping ' '^  stats ' '^  trace ' '^  check ' '^  demo ' '^ 
     says '^pccdctl [0-9]+\.[0-9]+\.[0-9]+$' && fails 2 'no command "chekc"' chekc
 report "help lists every command"
 
+# If it failed, who begins would look for what to try among commands for operators, or would have no
+# line to copy.
+ctl --help && [ "$(sed -n 's/^  \([a-z]*\) .*/\1/p' out | head -n 5 | tr '\n' ' ')" = \
+    'demo check near render inspect ' ] && says '^To begin with:$' '^A daemon:$' &&
+    [ "$(grep -c '^[A-Z].*[a-z]:$' out)" -ge 4 ] && ! grep -E '^.{81}' out &&
+    for command in $(sed -n 's/^  \([a-z]*\) .*/\1/p' out); do
+        [ "$("$PCCDCTL" "$command" --help | grep -c "^  pccdctl $command")" -ge 2 ] || break
+    done
+report "help begins with what to try, and has examples"
+
+# If it failed, a picture would want a name that nobody cares about, or would not say its own; or one
+# would take the place of what it was made of.
+mkdir -p named && (cd named && ctl render ../t0.ply ../t1.ply && grep -q '^t0\.png: step 1 ' out &&
+    is_png t0.png && ctl render ../t0.ply ../t1.ply && cp ../t0.ply s0.ply && cp ../t1.ply s1.ply &&
+    ctl render 's%d.ply' && grep -q '^s\.png: step 1 ' out && [ "$(echo ./*)" = './err ./out ./s.png ./s0.ply ./s1.ply ./t0.png' ])
+report "a picture has a name without -o"
+
 # If it failed, a line of the help would run out of a terminal, or say something of another option.
 "$PCCDCTL" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >commands && [ "$(wc -l <commands)" -gt 20 ] &&
     while read -r command; do

@@ -155,6 +155,21 @@ if command -v script >/dev/null; then
     # If it failed, a number would be cut, or each drawing would leave rows behind on a terminal
     # that is not wide.
     report top__fits_the_terminal
+    # If it failed, a list would wrap, and nobody could tell which number is under which head.
+    for what in sessions scenes objects pairs meshes; do
+        on_terminal 80 "$PCCDCTL" list $what
+        says '^SESSION' && fits 80 >>"$log" || break
+    done
+    [ "$what" = meshes ] && on_terminal 80 "$PCCDCTL" list scenes && says '^SESSION +SCENE .*STEPS +CONTACTS'
+    report list__fits_the_terminal
+    # If it failed, q would not end it, as it does other programs of that kind.
+    printf q | TERM=xterm timeout -k 5 20 script -qec "$PCCDCTL top --interval 60" /dev/null >/dev/null
+    report top__ends_with_q
+    # If it failed, the prompt of a shell would stand behind half a bar.
+    TERM=xterm script -qec "timeout --foreground 1 $PCCDCTL check --repeat 1000000 a.obj b.obj" /dev/null \
+        </dev/null >bars
+    grep -q '^runs \[' <(tr '\r' '\n' <bars) && [ "$(tail -c 4 bars | od -An -c | tr -d ' ')" = '\r033[K' ]
+    report progress__goes_when_the_command_is_ended
     on_terminal 40 "$PCCDCTL" load --seconds 0.3 a.obj b.obj &&
         says '^playing \(ms\) \[#*\.*\] [0-9]+/300$' && grep '^playing' out >bars &&
         mv bars out && fits 39 >"$log"
@@ -171,7 +186,9 @@ else
 fi
 
 # If it failed, who watches would not see the steps.
-ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ 2:[0-9a-f]{32} +[0-9]+ ' out)" = 3 ] &&
+ctl watch --count 3 && says '^ +STEP SESSION +SCENE CONTACTS +MS TH HASH$' &&
+    [ "$(grep -cE '^ +[0-9]+ s[0-9]+ +0x[0-9a-f]+ +[0-9]+ +[0-9.]+ +[0-9]+ 2:[0-9a-f]{32}$' out)" = 3 ] &&
+    ! grep -E '^.{81}' out &&
     ctl watch --session "$session" --count 1 --json &&
     json 'j["session"] == '"$session"' and j["status"] == "OK" and j["ms"] > 0' &&
     fails 4 'no session 999; pccdctl list shows them' watch --session 999 --count 1 &&
@@ -413,7 +430,9 @@ report doctor__tells_the_last_words_of_a_daemon
 # If it failed, the way out that doctor shows to who has no daemon would lead nowhere.
 mkdir none && {
     env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" doctor >out 2>err
-    [ $? -eq 1 ] && says '^warn +folder ' '^ +-> the daemon makes it when it starts' &&
+    [ $? -eq 0 ] && says '^ok +daemon +none runs, and none is needed$' && ! says '^(warn|FAIL)' &&
+        { env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" top 2>err; [ $? -eq 3 ]; } &&
+        grep -q '^pccdctl: no daemon runs; a program that needs one starts it: ' err &&
         advice=$(sed -nE 's/.*\(pccdctl ([a-z]+ FILE) does\).*/\1/p' out) && [ -n "$advice" ] &&
         # shellcheck disable=SC2086 # words
         env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" ${advice/FILE/a.obj} >out 2>err &&

@@ -159,7 +159,7 @@ c_library='argp.h assert.h ctype.h dirent.h dlfcn.h endian.h errno.h execinfo.h 
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/inotify.h
     sys/ioctl.h sys/mman.h sys/prctl.h sys/ptrace.h sys/random.h sys/resource.h sys/signalfd.h sys/socket.h sys/stat.h sys/syscall.h
     sys/time.h sys/timerfd.h
-    sys/types.h sys/uio.h sys/un.h sys/user.h sys/wait.h time.h unistd.h'
+    sys/types.h sys/uio.h sys/un.h sys/user.h sys/wait.h termios.h time.h unistd.h'
 
 # Not for the engine: it computes, and talks to nobody.
 engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eventfd.h sys/inotify.h sys/mman.h sys/socket.h sys/un.h

@@ -46,8 +46,9 @@ static void take_no_lanes(struct argp_state *state, const struct option_row *row
 #define AT(member) offsetof(struct command, member)
 static const struct option_row rows[] = {
     CTL_OUTPUT,
-    {"output", 'o', "FILE", "Where the page goes: FILE.html", OPTION_OWN, .at = AT(path),
-     .take = take_output, .needed = "-o FILE.html says where the page goes"},
+    {"output", 'o', "FILE",
+     "Where the page goes: FILE.html (default: the name of the first file, with .html)",
+     OPTION_OWN, .at = AT(path), .take = take_output},
     {"every", 0, "N", "Show one in N steps (default: each)", OPTION_U64,
      .at = AT(settings.every), .min = 1, .max = EVERY_MAX},
     {"max-size", 0, "MIB",
@@ -200,7 +201,12 @@ int ctl_cmd_inspect(int argc, char **argv)
     if (option_parse(&ctl_table_inspect, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
-    int status = inspect_has_page(&error);
+    if (command.path == NULL) {
+        command.path = play_options_output(&command.options, ".html");
+    }
+    int status = command.path != NULL
+                     ? inspect_has_page(&error)
+                     : ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
     if (status == PCCD_OK) {
         status = play_options_open(&command.options, &error);
     }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "columns.h"
 #include "ctl.h"
@@ -12,6 +13,8 @@
 #include "printable.h"
 #include "sessions.h"
 #include "terminal.h"
+
+#define COLUMNS_MAX 20u /* of a list, with the last one, which is none */
 
 enum what { SESSIONS, SCENES, OBJECTS, PAIRS, MESHES };
 
@@ -61,43 +64,75 @@ const struct option_table ctl_table_list = {
                 "  pccdctl list scenes --json\n",
 };
 
-/* One list being printed; session and scene say whose it is. */
+/* One list being made; session and scene say whose it is. */
 struct printer {
     bool is_json;
     json_t *array;
+    char *rows; /* ours: [count] of row_bytes each, for people */
+    size_t row_bytes;
+    uint32_t count, capacity;
+    bool has_memory;
     uint64_t session;
     uint32_t scene;
 };
 
-static void print_row(struct printer *printer, const struct column *columns,
-                      const void *row)
+/* Keep a row, which points at nothing that goes before the list is printed. */
+static void keep_row(struct printer *printer, const struct column *columns,
+                     const void *row, size_t bytes)
 {
     if (printer->is_json) {
         json_array_append_new(printer->array, columns_json(columns, row));
-    } else {
-        columns_print(columns, row, "", "");
+        return;
+    }
+    if (printer->count == printer->capacity) {
+        uint32_t capacity = 2 * printer->capacity + 16;
+        char *more = realloc(printer->rows, capacity * bytes);
+        if (more == NULL) {
+            printer->has_memory = false;
+            return;
+        }
+        printer->rows = more;
+        printer->capacity = capacity;
+    }
+    memcpy(printer->rows + printer->count++ * bytes, row, bytes);
+    printer->row_bytes = bytes;
+}
+
+/* Print the table: as wide as it has to be, on a terminal without what has no room. */
+static void print_table(const struct printer *printer, const struct column *columns)
+{
+    struct column shown[COLUMNS_MAX];
+    uint32_t room = UINT32_MAX, lines;
+    memcpy(shown, columns, sizeof shown);
+    if (terminal_is_live()) {
+        terminal_size(STDOUT_FILENO, &room, &lines);
+    }
+    columns_fit(shown, printer->rows, printer->row_bytes, printer->count, room);
+    columns_print(shown, NULL, terminal_begin(TERMINAL_BOLD), terminal_end());
+    for (uint32_t i = 0; i < printer->count; i++) {
+        columns_print(shown, printer->rows + i * printer->row_bytes, "", "");
     }
 }
 
 #define OF(member) COLUMN_OF(struct session_row, member)
-static const struct column session_columns[] = {
-    {"session", "SESSION", COLUMN_NUMBER, OF(info.session), .width = 7},
-    {"pid", "PID", COLUMN_NUMBER, OF(info.pid), .width = 7},
-    {"uid", "USER", COLUMN_USER, OF(info.uid), .is_left = true, .width = 10, .cut = 10},
-    {"client", "CLIENT", COLUMN_CHARS, OF(name), .is_left = true, .width = 20, .cut = 20},
-    {"scenes", "SCENES", COLUMN_NUMBER, OF(info.scenes), .width = 6},
-    {"objects", "OBJECTS", COLUMN_NUMBER, OF(info.objects), .width = 7},
-    {"meshes", "MESHES", COLUMN_NUMBER, OF(info.meshes), .width = 6},
-    {"triangles", "TRIANGLES", COLUMN_COUNT, OF(info.triangles), .width = 9},
-    {"shm_bytes", "SHARED", COLUMN_BYTES, OF(info.shm_bytes), .width = 9},
-    {"steps", "STEPS", COLUMN_NUMBER, OF(info.steps), .width = 10},
+static const struct column session_columns[COLUMNS_MAX] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(info.session), .rank = 1},
+    {"pid", "PID", COLUMN_NUMBER, OF(info.pid), .rank = 4},
+    {"uid", "USER", COLUMN_USER, OF(info.uid), .is_left = true, .cut = 10, .rank = 7},
+    {"client", "CLIENT", COLUMN_CHARS, OF(name), .is_left = true, .cut = 20, .rank = 2},
+    {"scenes", "SCENES", COLUMN_NUMBER, OF(info.scenes), .rank = 8},
+    {"objects", "OBJECTS", COLUMN_NUMBER, OF(info.objects), .rank = 9},
+    {"meshes", "MESHES", COLUMN_NUMBER, OF(info.meshes), .rank = 12},
+    {"triangles", "TRIANGLES", COLUMN_COUNT, OF(info.triangles), .rank = 5},
+    {"shm_bytes", "SHARED", COLUMN_BYTES, OF(info.shm_bytes), .rank = 10},
+    {"steps", "STEPS", COLUMN_NUMBER, OF(info.steps), .rank = 3},
     {"steps_incomplete", "INCOMPLETE", COLUMN_NUMBER, OF(info.steps_incomplete),
-     .width = 10},
+     .rank = 6},
     {"contacts", .type = COLUMN_NUMBER, OF(info.contacts)},
     {"errors", .type = COLUMN_NUMBER, OF(info.errors)},
     {"requests", .type = COLUMN_NUMBER, OF(info.requests)},
-    {"ns_open", "OPEN FOR", COLUMN_SPAN, OF(info.ns_open), .width = 10},
-    {NULL, "", COLUMN_CHARS, OF(state)},
+    {"ns_open", "OPEN FOR", COLUMN_SPAN, OF(info.ns_open), .rank = 11},
+    {NULL, "", COLUMN_CHARS, OF(state), .rank = 13},
     {"waiting", .type = COLUMN_FLAG, OF(info.waiting)},
     {"batch", .type = COLUMN_NUMBER, OF(info.batch)},
     {"batch_done", .type = COLUMN_NUMBER, OF(info.batch_done)},
@@ -110,25 +145,25 @@ struct scene_line {
     uint64_t session;
     struct scene_row row;
     char hash[PROTO_HASH_BYTES];
-    const char *last_hash; /* "-": it has no step yet */
+    char last_hash[PROTO_HASH_BYTES]; /* "-": it has no step yet */
     char sharing[400];
 };
 
 #define OF(member) COLUMN_OF(struct scene_line, member)
-static const struct column scene_columns[] = {
-    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
-    {"scene", "SCENE", COLUMN_HANDLE, OF(row.info.scene), .width = 10},
-    {"objects", "OBJECTS", COLUMN_NUMBER, OF(row.info.objects), .width = 7},
-    {"steps", "STEPS", COLUMN_NUMBER, OF(row.info.steps), .width = 10},
+static const struct column scene_columns[COLUMNS_MAX] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(row.info.scene), .rank = 2},
+    {"objects", "OBJECTS", COLUMN_NUMBER, OF(row.info.objects), .rank = 6},
+    {"steps", "STEPS", COLUMN_NUMBER, OF(row.info.steps), .rank = 3},
     {"last_number", .type = COLUMN_NUMBER, OF(row.info.number)},
-    {"last_total", "CONTACTS", COLUMN_NUMBER, OF(row.info.total), .width = 10},
+    {"last_total", "CONTACTS", COLUMN_NUMBER, OF(row.info.total), .rank = 4},
     {"last_hash", .type = COLUMN_CHARS, OF(hash)},
-    {"last_ms", "LAST STEP", COLUMN_NS, OF(row.info.ns_step), .width = 10},
-    {"ignored_pairs", "IGNORED", COLUMN_NUMBER, OF(row.info.ignored), .width = 7},
-    {NULL, "HASH OF THE LAST ANSWER", COLUMN_TEXT, OF(last_hash), .is_left = true,
-     .width = 34},
+    {"last_ms", "LAST STEP", COLUMN_NS, OF(row.info.ns_step), .rank = 5},
+    {"ignored_pairs", "IGNORED", COLUMN_NUMBER, OF(row.info.ignored), .rank = 9},
+    {NULL, "HASH OF THE LAST ANSWER", COLUMN_CHARS, OF(last_hash), .is_left = true,
+     .rank = 8},
     {"name", .type = COLUMN_CHARS, OF(row.name)},
-    {NULL, "SHARED", COLUMN_CHARS, OF(sharing)},
+    {NULL, "SHARED", COLUMN_CHARS, OF(sharing), .rank = 7},
     {"uid", .type = COLUMN_NUMBER, OF(row.info.uid)},
     {"rights", .type = COLUMN_NUMBER, OF(row.info.rights)},
     {"members", .type = COLUMN_NUMBER, OF(row.info.members)},
@@ -160,9 +195,10 @@ static void print_scene(struct printer *printer, const struct scene_row *row)
 {
     struct scene_line line = {.session = printer->session, .row = *row};
     proto_hash_text(PCCD_HASH_VERSION, row->info.hash, line.hash);
-    line.last_hash = row->info.steps > 0 ? line.hash : "-";
+    snprintf(line.last_hash, sizeof line.last_hash, "%s",
+             row->info.steps > 0 ? line.hash : "-");
     describe_sharing(&line);
-    print_row(printer, scene_columns, &line);
+    keep_row(printer, scene_columns, &line, sizeof line);
 }
 
 /* ---- objects, pairs, meshes -------------------------------------------------------- */
@@ -176,23 +212,23 @@ struct object_line {
 };
 
 #define OF(member) COLUMN_OF(struct object_line, member)
-static const struct column object_columns[] = {
-    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
-    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .width = 10},
-    {"object", "OBJECT", COLUMN_HANDLE, OF(info.object), .width = 10},
-    {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .width = 10},
-    {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangles), .width = 10},
-    {"owner", "OWNER", COLUMN_NUMBER, OF(info.owner), .width = 7},
+static const struct column object_columns[COLUMNS_MAX] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .rank = 3},
+    {"object", "OBJECT", COLUMN_HANDLE, OF(info.object), .rank = 2},
+    {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .rank = 4},
+    {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangles), .rank = 5},
+    {"owner", "OWNER", COLUMN_NUMBER, OF(info.owner), .rank = 9},
     {"group", .type = COLUMN_CHARS, OF(group)},
     {"mask", .type = COLUMN_CHARS, OF(mask)},
-    {NULL, "GROUP", COLUMN_CHARS, OF(group[2]), .width = 18}, /* without its 0x */
-    {NULL, "MASK", COLUMN_CHARS, OF(mask[2]), .width = 18},
-    {NULL, "MEETS", COLUMN_TEXT, OF(self), .is_left = true},
+    {NULL, "GROUP", COLUMN_CHARS, OF(group[2]), .rank = 7}, /* without its 0x */
+    {NULL, "MASK", COLUMN_CHARS, OF(mask[2]), .rank = 8},
+    {NULL, "MEETS", COLUMN_TEXT, OF(self), .is_left = true, .rank = 6},
     {"self_collision", .type = COLUMN_FLAG, OF(info.self_collision)},
-    {"radius", "RADIUS", COLUMN_REAL, OF(info.radius), .width = 10},
-    {"rest_distance", "REST", COLUMN_REAL, OF(info.rest_distance), .width = 10},
-    {"rest_rings", "RINGS", COLUMN_NUMBER, OF(info.rest_rings), .width = 5},
-    {"user_data", "USER", COLUMN_NUMBER, OF(info.user_data), .width = 6},
+    {"radius", "RADIUS", COLUMN_REAL, OF(info.radius), .rank = 10},
+    {"rest_distance", "REST", COLUMN_REAL, OF(info.rest_distance), .rank = 11},
+    {"rest_rings", "RINGS", COLUMN_NUMBER, OF(info.rest_rings), .rank = 12},
+    {"user_data", "USER", COLUMN_NUMBER, OF(info.user_data), .rank = 13},
     {0}};
 #undef OF
 
@@ -205,7 +241,7 @@ static void print_object(void *context, const struct pccd_object_info *info)
                                .self = info->self_collision ? "self" : "-"};
     snprintf(line.group, sizeof line.group, "0x%" PRIx64, info->group);
     snprintf(line.mask, sizeof line.mask, "0x%" PRIx64, info->mask);
-    print_row(printer, object_columns, &line);
+    keep_row(printer, object_columns, &line, sizeof line);
 }
 
 struct pair_line {
@@ -215,11 +251,11 @@ struct pair_line {
 };
 
 #define OF(member) COLUMN_OF(struct pair_line, member)
-static const struct column pair_columns[] = {
-    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
-    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .width = 10},
-    {"object_a", "OBJECT A", COLUMN_HANDLE, OF(pair.object_a), .width = 10},
-    {"object_b", "OBJECT B", COLUMN_HANDLE, OF(pair.object_b), .width = 10},
+static const struct column pair_columns[COLUMNS_MAX] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .rank = 2},
+    {"object_a", "OBJECT A", COLUMN_HANDLE, OF(pair.object_a), .rank = 3},
+    {"object_b", "OBJECT B", COLUMN_HANDLE, OF(pair.object_b), .rank = 4},
     {0}};
 #undef OF
 
@@ -227,7 +263,7 @@ static void print_pair(void *context, const struct pccd_ignored_pair *pair)
 {
     struct printer *printer = context;
     const struct pair_line line = {printer->session, printer->scene, *pair};
-    print_row(printer, pair_columns, &line);
+    keep_row(printer, pair_columns, &line, sizeof line);
 }
 
 struct mesh_line {
@@ -237,16 +273,16 @@ struct mesh_line {
 };
 
 #define OF(member) COLUMN_OF(struct mesh_line, member)
-static const struct column mesh_columns[] = {
-    {"session", "SESSION", COLUMN_NUMBER, OF(session), .width = 7},
-    {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .width = 10},
-    {"vertices", "VERTICES", COLUMN_NUMBER, OF(info.vertex_count), .width = 10},
-    {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangle_count), .width = 10},
+static const struct column mesh_columns[COLUMNS_MAX] = {
+    {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
+    {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .rank = 2},
+    {"vertices", "VERTICES", COLUMN_NUMBER, OF(info.vertex_count), .rank = 3},
+    {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangle_count), .rank = 4},
     {"named_edges", .type = COLUMN_NUMBER, OF(info.edge_count)},
     {"named_points", .type = COLUMN_NUMBER, OF(info.point_count)},
-    {"objects", "OBJECTS", COLUMN_NUMBER, OF(info.objects), .width = 7},
-    {"generation", "GENERATION", COLUMN_NUMBER, OF(info.generation), .width = 10},
-    {NULL, "STATE", COLUMN_TEXT, OF(state), .is_left = true},
+    {"objects", "OBJECTS", COLUMN_NUMBER, OF(info.objects), .rank = 5},
+    {"generation", "GENERATION", COLUMN_NUMBER, OF(info.generation), .rank = 7},
+    {NULL, "STATE", COLUMN_TEXT, OF(state), .is_left = true, .rank = 6},
     {"committed", .type = COLUMN_FLAG, OF(info.committed)},
     {"replacing", .type = COLUMN_FLAG, OF(info.replacing)},
     {0}};
@@ -259,7 +295,7 @@ static void print_mesh(void *context, const struct pccd_registered_mesh *info)
                                    !info->committed  ? "being filled"
                                    : info->replacing ? "being replaced"
                                                      : "committed"};
-    print_row(printer, mesh_columns, &line);
+    keep_row(printer, mesh_columns, &line, sizeof line);
 }
 
 /* ---- the walk ---------------------------------------------------------------------- */
@@ -272,7 +308,7 @@ static int print_of(struct pccd_client *client, enum what what, struct printer *
     int status = PCCD_OK;
     printer->session = row->info.session;
     if (what == SESSIONS) {
-        print_row(printer, session_columns, row);
+        keep_row(printer, session_columns, row, sizeof *row);
     } else if (what == MESHES) {
         status = pccd_list_meshes(client, printer->session, print_mesh, printer);
     } else {
@@ -303,7 +339,8 @@ static const struct column *const columns_of[] = {[SESSIONS] = session_columns,
 static int list(struct pccd_client *client, const struct list_options *options)
 {
     struct sessions sessions = {.rows = NULL};
-    struct printer printer = {.is_json = options->is_json, .array = json_array()};
+    struct printer printer = {
+        .is_json = options->is_json, .array = json_array(), .has_memory = true};
     int status = sessions_read(client, &sessions);
     if (status == PCCD_OK && options->session != 0 &&
         sessions_find(&sessions, options->session) == NULL) {
@@ -313,18 +350,23 @@ static int list(struct pccd_client *client, const struct list_options *options)
                             ", or it is another user's; pccdctl list shows them",
                             options->session);
     }
-    if (status == PCCD_OK && !options->is_json) {
-        columns_print(columns_of[options->what], NULL, terminal_begin(TERMINAL_BOLD),
-                      terminal_end());
-    }
     for (uint32_t i = 0; i < sessions.count && status == PCCD_OK; i++) {
         const struct session_row *row = &sessions.rows[i];
         if (options->session == 0 || row->info.session == options->session) {
             status = print_of(client, options->what, &printer, row);
         }
     }
+    if (status == PCCD_OK && !printer.has_memory) {
+        status = PCCD_E_NOMEM;
+    } else if (status == PCCD_OK && !options->is_json) {
+        print_table(&printer, columns_of[options->what]);
+    }
     (void)output_json(printer.array, status == PCCD_OK && options->is_json, stdout);
     sessions_deinit(&sessions);
+    free(printer.rows);
+    if (status == PCCD_E_NOMEM) {
+        return ctl_complain("list: out of memory");
+    }
     return status == PCCD_OK ? CTL_DONE
                              : ctl_complain("list: %s", pccd_error_text(client));
 }

@@ -162,9 +162,8 @@ static const struct option_row rows[] = {
     {"output", 'o', "FILE",
      "Where the picture goes: FILE.png; FILE.svg with contacts and legend as shapes and "
      "text; FILE.apng, a film of all steps, which browsers show; -, a PNG to the "
-     "standard output, and no report",
-     OPTION_OWN, .at = AT(path), .take = take_output,
-     .needed = "-o FILE.png, .svg or .apng says what to draw"},
+     "standard output, and no report (default: the name of the first file, with .png)",
+     OPTION_OWN, .at = AT(path), .take = take_output},
     {"rate", 0, "N",
      "Steps a second of a film (default: 25), and frames of a file that moves by itself "
      "(default: its keyframes)",
@@ -415,7 +414,12 @@ int ctl_cmd_render(int argc, char **argv)
         return CTL_USAGE;
     }
     render.options.how.wish.rate = render.rate;
-    int status = play_options_open(&render.options, &error);
+    if (render.path == NULL) {
+        render.path = play_options_output(&render.options, ".png");
+    }
+    int status = render.path != NULL
+                     ? play_options_open(&render.options, &error)
+                     : ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
     if (status == PCCD_OK) {
         status = render.is_film ? make_film(&render, &file, &summary, &error)
                                 : make_picture(&render, &file, &summary, &error);

@@ -61,8 +61,8 @@ const struct option_table ctl_table_top = {
     .text = "Show what the clients of a daemon do, again and again: those of this "
             "user, or all of them for the daemon's own user and root.",
     .more = "A step's milliseconds are those of the compute thread. A terminal that "
-            "is too narrow for all columns shows the most important ones. An "
-            "interrupt (Ctrl-C) ends it.",
+            "is too narrow for all columns shows the most important ones. The key q or "
+            "an interrupt (Ctrl-C) ends it.",
     .examples = "  pccdctl top\n"
                 "  pccdctl top --once --sort triangles\n",
 };
@@ -300,7 +300,7 @@ static int run(struct pccd_client *client, const struct top_options *options)
     for (uint64_t i = 0;
          status == PCCD_OK && goes_on && (options->count == 0 || i < options->count);
          i++) {
-        terminal_sleep(options->interval_s);
+        terminal_wait(options->interval_s);
         if (terminal_was_interrupted()) {
             break;
         }
@@ -336,7 +336,11 @@ int ctl_cmd_top(int argc, char **argv)
     int status = ctl_link_open(&options.link, &client);
     if (status == CTL_DONE) {
         terminal_catch_interrupts();
+        if (terminal_is_live()) {
+            terminal_take_keys();
+        }
         status = run(client, &options);
+        terminal_free_keys();
     }
     pccd_close(client);
     ctl_link_deinit(&options.link);

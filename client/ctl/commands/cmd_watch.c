@@ -50,7 +50,7 @@ const struct option_table ctl_table_watch = {
     .parts = (const struct option_part[]){{&ctl_link_table, AT(link)}, {0}},
     .check = check,
     .text = "Print a line for each step that the daemon answers: number, session, "
-            "scene, hash, contacts, milliseconds, threads.",
+            "scene, contacts, milliseconds, threads, hash.",
     .more = "Nothing waits for the lines to be read: steps that were missed are "
             "counted in the next line. An interrupt (Ctrl-C) ends it.",
     .examples = "  pccdctl watch --count 100\n"
@@ -81,18 +81,24 @@ static void print_line(const struct pccd_step_event *event)
                proto_plural(event->lost, "step is", "steps are"));
     }
     if (event->status != PCCD_OK) {
-        printf("%10s s%" PRIu64 " %#" PRIx32 " %s%s%s\n", "failed", event->session,
+        printf("%7s s%-6" PRIu64 " %#8" PRIx32 " %s%s%s\n", "failed", event->session,
                event->scene, terminal_begin(TERMINAL_RED),
                pccd_status_text(event->status), terminal_end());
         return;
     }
     char hash[PROTO_HASH_BYTES];
-    printf("%10" PRIu64 " s%" PRIu64 " %#" PRIx32 " %s %8" PRIu64 " %9.3f ms %" PRIu32
-           "%s\n",
-           event->number, event->session, event->scene,
-           proto_hash_text(PCCD_HASH_VERSION, event->hash, hash), event->total,
+    printf("%7" PRIu64 " s%-6" PRIu64 " %#8" PRIx32 " %8" PRIu64 " %8.3f %2" PRIu32
+           " %s%s\n",
+           event->number, event->session, event->scene, event->total,
            (double)event->ns_step / 1e6, event->threads,
+           proto_hash_text(PCCD_HASH_VERSION, event->hash, hash),
            event->incomplete != 0 ? " incomplete" : "");
+}
+
+static void print_head(void)
+{
+    printf("%s%7s %-7s %8s %8s %8s %2s %s%s\n", terminal_begin(TERMINAL_BOLD), "STEP",
+           "SESSION", "SCENE", "CONTACTS", "MS", "TH", "HASH", terminal_end());
 }
 
 static int watch(struct pccd_client *client, const struct watch_options *options)
@@ -101,6 +107,9 @@ static int watch(struct pccd_client *client, const struct watch_options *options
     double begin_s = terminal_now_s();
     uint64_t told = 0;
     int status = pccd_watch_start(client, options->session, options->scene);
+    if (status == PCCD_OK && !options->is_json) {
+        print_head();
+    }
     while (status == PCCD_OK && !terminal_was_interrupted() &&
            (options->count == 0 || told < options->count) &&
            (options->seconds <= 0 || terminal_now_s() - begin_s < options->seconds)) {

@@ -33,6 +33,12 @@ void doctor_find(struct doctor *doctor, enum doctor_verdict verdict, const char 
 static void look_at_failure(struct doctor *doctor, int status)
 {
     const char *advice;
+    if (doctor->is_unused && !doctor->has_failed && doctor->last_words[0] == '\0') {
+        doctor_find(doctor, DOCTOR_OK, "daemon",
+                    "a program that uses pccd starts one (pccdctl load FILE does)",
+                    "none runs, and none is needed");
+        return;
+    }
     switch (status) {
     case PCCD_E_ACCESS:
         advice = "pccdd --allow-uid and --allow-gid say who may; ask who runs it";

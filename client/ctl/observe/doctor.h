@@ -27,6 +27,7 @@ struct doctor_finding {
 struct doctor {
     uint32_t count;
     bool has_failed;
+    bool is_unused; /* nobody named a daemon, and none has been where one would be */
     char last_words[COMMON_LAST_WORDS_BYTES]; /* of a daemon that died; "": none */
     struct doctor_finding findings[DOCTOR_MAX];
 };

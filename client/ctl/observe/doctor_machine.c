@@ -129,6 +129,9 @@ static void look_at_folder(struct doctor *doctor, const char *path)
         int why = errno;
         bool is_missing = why == ENOENT;
         bool can_be_made = is_missing && can_make(folder);
+        if (can_be_made && doctor->is_unused) {
+            return; /* the daemon makes it when it starts */
+        }
         doctor_find(
             doctor, can_be_made || !is_missing ? DOCTOR_WARN : DOCTOR_FAIL, "folder",
             can_be_made  ? "the daemon makes it when it starts"
@@ -213,13 +216,20 @@ void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *opt
     if (options->private_daemon || !find_path(options, path)) {
         return;
     }
-    look_at_folder(doctor, path);
     bool has_socket = stat(path, &found) == 0;
-    if (!has_socket) {
+    const int why = errno;
+    const char *told = getenv("PCCD_URL");
+    doctor->is_unused = !has_socket && why == ENOENT && options->url == NULL &&
+                        (told == NULL || told[0] == '\0');
+    look_at_folder(doctor, path);
+    if (doctor->is_unused) {
+        doctor_find(doctor, DOCTOR_OK, "socket", "", "%s: nobody has needed it yet",
+                    path);
+    } else if (!has_socket) {
         doctor_find(doctor, DOCTOR_WARN, "socket",
-                    errno == ENOENT ? "no daemon has been started there yet"
-                                    : "let this user pass through its folder",
-                    "%s: %s", path, strerror(errno));
+                    why == ENOENT ? "no daemon has been started there yet"
+                                  : "let this user pass through its folder",
+                    "%s: %s", path, strerror(why));
     } else if (!S_ISSOCK(found.st_mode)) {
         doctor_find(doctor, DOCTOR_FAIL, "socket", "remove it, or choose another path",
                     "%s is no socket", path);

@@ -23,6 +23,7 @@ struct play_options {
     struct ctl_frames_options how; /* frames are read */
     struct scene_options scene;
     struct frames_recording frames;
+    char *output; /* ours, of play_options_output */
 };
 extern const struct option_table play_table;
 /* The same of a command that takes frames, with the options of ask_options.h. */
@@ -43,6 +44,10 @@ bool play_options_are_frames(const struct play_options *options);
  * Errors: those of scene_take and frames_record. */
 int play_options_open(struct play_options *options, struct ctl_error *error);
 void play_options_deinit(struct play_options *options);
+/* Return the name of what is made of the first file where nobody has given one: that of
+ * the file with this ending, in the current folder. It lives as long as the options.
+ * NULL: no memory. */
+const char *play_options_output(struct play_options *options, const char *ending);
 
 /* Tell on stderr how the file ended, if it did not end well. */
 void play_options_warn(const struct play_settings *settings,

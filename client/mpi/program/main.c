@@ -16,7 +16,7 @@
 #include "together.h"
 
 static const struct ctl_command commands[] = {
-#define COMMAND(name, text) {#name, text, program_##name, &program_table_##name},
+#define COMMAND(name, text) {#name, text, NULL, program_##name, &program_table_##name},
     PROGRAM_COMMANDS(COMMAND)
 #undef COMMAND
 };
