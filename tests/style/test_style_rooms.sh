@@ -62,7 +62,7 @@ tests/unit          proto daemon/engine bench/wide_sweep.h daemon/service daemon
 tests/files         client/ctl
 tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/registry client/ctl tests/support client/oracle tests/fault
 tests/fault         proto client/lib+ tests/support client/oracle
-tests/zoo           proto client/lib+ tests/support
+tests/zoo           proto client/lib+ tests/support client/oracle
 tests/mpi           client/lib+ client/mpi+ tests/support
 tests/determinism   daemon/engine tests/support client/oracle tests/unit
 tests/property      proto daemon/engine client/lib+ tests/support client/oracle tests/unit

@@ -27,6 +27,7 @@ bool zoo_cancels_everything(struct zoo_cage *cage);
 bool zoo_makes_tiny_scenes(struct zoo_cage *cage);
 bool zoo_dies_in_the_middle(struct zoo_cage *cage);
 bool zoo_stops_itself(struct zoo_cage *cage);
+bool zoo_turns_about(struct zoo_cage *cage);
 
 /* animals_long.c: what takes seconds */
 bool zoo_stacks_triangles(struct zoo_cage *cage);

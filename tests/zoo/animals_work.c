@@ -1,11 +1,15 @@
 /* animals_work.c - hostile clients: what is asked to be computed. */
+#include <math.h>
 #include <signal.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "animals.h"
 #include "crossing.h"
 #include "daemon.h"
+#include "joints.h"
+#include "oracle_turning.h"
 
 #define SLOT_BYTES  65536u
 #define LARGE_BYTES (4u << 20)
@@ -193,6 +197,116 @@ bool zoo_stops_itself(struct zoo_cage *cage)
         EXPECT(cage,
                test_raw_answer(&raw, ids[i], PROTO_METHOD_FRAME_SUBMIT, &answer) == 0);
         EXPECT(cage, answer.incomplete == PCCD_COMPLETE && answer.vf == 3);
+    }
+    test_raw_close(&raw);
+    return true;
+}
+
+#define CHAIN       64u
+#define HURRIED_MAX 400000.0 /* an angle */
+
+/* A triangle above a floor, on a chain of turns about one axis; each by `angle`. */
+static const struct turn {
+    uint32_t joints;
+    double position[3]; /* of the first one */
+    double axis[3];
+    double angle;
+    uint32_t met, possible; /* vertices that come to the floor for certain; that may */
+} turns[] = {
+    {1, {0, 0, 0}, {0, 0, 1}, COMMON_ANGLE_MAX, 0, 0}, /* level, at height 1 */
+    {1, {0, 0, -0.9375}, {0, 0, 1}, -COMMON_ANGLE_MAX, 0, 0},
+    {CHAIN, {0, 0, 0}, {1, 0, 0}, -2.0 / CHAIN, 3, 0}, /* at pi / 4 and pi / 2 */
+    {CHAIN, {0, 0, 0}, {1, 0, 0}, -0.75 / CHAIN, 0, 0},
+    {2, {0, 0, -1}, {0, 0, 3}, 1, 0, 3}, /* in the floor, and slides on it all the time */
+};
+
+/* Say what the oracle knows of one vertex of the triangle and the floor. */
+static struct oracle_turning_answer judge(const struct pccd_joint *joints, uint32_t count,
+                                          uint32_t vertex)
+{
+    const struct oracle_turning_asked asked = {0, 1, 1e-9, 10000, 1000};
+    struct oracle_turning_answer answer;
+    double point[1][3], floor[3][3];
+
+    for (int k = 0; k < 3; k++) {
+        point[0][k] = (double)test_triangle_x[vertex][k];
+        for (int i = 0; i < 3; i++) {
+            floor[i][k] = (double)test_floor_x[i][k];
+        }
+    }
+    const struct oracle_turning pair = {
+        .joints = joints,
+        .side = {{1, count - 1, {(const double(*)[3])point, (const double(*)[3])point}},
+                 {3,
+                  PCCD_NO_JOINT,
+                  {(const double(*)[3])floor, (const double(*)[3])floor}}}};
+    oracle_turning_find(&pair, &asked, &answer);
+    return answer;
+}
+
+/* Turns a million times, fewer where time is short; on a chain of 64 joints; and so that
+ * a floor is touched throughout: each vertex has the record that the oracle says, or
+ * none. */
+bool zoo_turns_about(struct zoo_cage *cage)
+{
+    struct zoo_scene scene;
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    for (size_t n = 0; n < sizeof turns / sizeof turns[0]; n++) {
+        const struct turn *turn = &turns[n];
+        const struct proto_joints head = {.count = turn->joints};
+        const struct proto_segment segment = {.object = scene.object,
+                                              .kind = PROTO_SEGMENT_TURNING,
+                                              .format = PCCD_FORMAT_F64,
+                                              .first = turn->joints - 1,
+                                              .count = 3,
+                                              .offset0 = sizeof segment};
+        struct pccd_joint joints[CHAIN];
+        struct proto_FRAME_SUBMIT_request submit = {.scene = scene.scene, .segments = 1};
+        struct proto_FRAME_SUBMIT_result answer;
+        uint8_t *payload = test_raw_payload(&raw, 0);
+        uint32_t met = 0, possible = 0;
+
+        memset(joints, 0, sizeof joints);
+        for (uint32_t i = 0; i < turn->joints; i++) {
+            joints[i].kind = PCCD_JOINT_TURN;
+            joints[i].parent = i - 1; /* of the first: none */
+            joints[i].rotation[3] = 1;
+            memcpy(joints[i].axis, turn->axis, sizeof turn->axis);
+            joints[i].to[0] = turn->angle;
+            if (!cage->patient && fabs(turn->angle) > HURRIED_MAX) {
+                joints[i].to[0] = HURRIED_MAX;
+            }
+        }
+        memcpy(joints[0].position, turn->position, sizeof turn->position);
+        memcpy(payload, &segment, sizeof segment);
+        memcpy(payload + sizeof segment, &head, sizeof head);
+        memcpy(payload + sizeof segment + sizeof head, joints,
+               turn->joints * sizeof joints[0]);
+        submit.seq = test_raw_publish(&raw, 0);
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
+        EXPECT(cage, answer.incomplete == PCCD_COMPLETE && answer.count == answer.vf);
+        for (uint64_t i = 0; i < answer.count; i++) {
+            struct pccd_contact contact;
+
+            memcpy(&contact,
+                   (const uint8_t *)raw.result.base + answer.offset + i * sizeof contact,
+                   sizeof contact);
+            bool is_proved = (contact.flags & PCCD_PROVED) != 0;
+            const struct oracle_turning_answer truth =
+                judge(joints, turn->joints, contact.feature_a);
+            EXPECT(cage, contact.object_a == scene.object && !truth.is_free);
+            EXPECT(cage, truth.met_by >= contact.toi);
+            EXPECT(cage, !is_proved || truth.free_until <= contact.toi_hi);
+            met += is_proved;
+            possible += !is_proved;
+        }
+        EXPECT(cage, met == turn->met && possible == turn->possible);
+        for (uint32_t i = 0; i < 3 && met + possible == 0; i++) {
+            EXPECT(cage, judge(joints, turn->joints, i).is_free);
+        }
     }
     test_raw_close(&raw);
     return true;

@@ -42,6 +42,7 @@ static const struct zoo_animal animals[] = {
     {"makes tiny scenes", zoo_makes_tiny_scenes, false, 0, 0, false},
     {"dies in the middle", zoo_dies_in_the_middle, false, 0, 0, false},
     {"stops itself", zoo_stops_itself, false, 0, 0, false},
+    {"turns about", zoo_turns_about, false, 0, 0, true},
     {"stacks triangles", zoo_stacks_triangles, false, 0, 0, true},
     {"fans triangles out", zoo_fans_triangles_out, false, 0, 0, true},
     {"commits heaps", zoo_commits_heaps, false, 0, 0, true},
