@@ -785,7 +785,7 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
  *
  * No call is needed with $PCCD_RECORD=PATH in the environment: every client is recorded
  * from the beginning, to PATH, PATH-2, ...; $PCCD_RECORD_OPTIONS holds settings, as
- * "max_bytes=N,segments=N,contacts=1,level=N".
+ * "max_bytes=N,segments=N,contacts=1,level=N,up=3".
  *
  * Shared scenes: the daemon keeps what anybody does to the scene (up to 128 MiB a scene,
  * charged as shared memory) until this client's next call fetches it. Such a recording
@@ -801,7 +801,8 @@ struct pccd_record_settings {
                            at most a step and the answers in flight */
     uint32_t contacts;  /* 1: record the contacts, too: the pages that were received */
     int32_t level;      /* of zstd, 1 .. 19; 0 = 1; negative: nothing is compressed */
-    uint32_t reserved;  /* 0 */
+    uint32_t up;        /* the axis that points up, for those who show the recording:
+                           1 x, 2 y, 3 z; 0: nobody knows */
 };
 struct pccd_record_info {
     uint64_t bytes;     /* written, over all segments */

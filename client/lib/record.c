@@ -20,12 +20,12 @@ static int check_settings(struct pccd_client *client,
                           const struct pccd_record_settings *settings)
 {
     if (settings->segments > SEGMENTS_MAX || settings->level > LEVEL_MAX ||
-        settings->contacts > 1) {
+        settings->contacts > 1 || settings->up > RECORD_UP_MASK) {
         return cli_fail(client, PCCD_E_INVAL,
                         "record: segments %u (up to %u), level %d (up to %d), contacts "
-                        "%u (0 or 1)",
+                        "%u (0 or 1), up %u (0 .. 3)",
                         settings->segments, SEGMENTS_MAX, (int)settings->level, LEVEL_MAX,
-                        settings->contacts);
+                        settings->contacts, settings->up);
     }
     if (settings->segments > 1 && settings->max_bytes == 0) {
         return cli_fail(client, PCCD_E_INVAL, "record: segments without max_bytes");
@@ -49,6 +49,7 @@ static void fill_recorder(struct cli_recorder *made,
     made->segments_max = settings->segments > 1 ? settings->segments : 1;
     made->segment_bytes_max = settings->max_bytes / made->segments_max;
     made->has_records = settings->contacts != 0;
+    made->up = settings->up;
 }
 
 static void free_recorder(struct pccd_client *client)
@@ -157,7 +158,7 @@ void cli_record_close(struct pccd_client *client)
 
 /* ---- the environment --------------------------------------------------------------- */
 
-/* "max_bytes=N,segments=N,contacts=1,level=N" */
+/* "max_bytes=N,segments=N,contacts=1,level=N,up=3" */
 static int parse_options(struct pccd_client *client, const char *text,
                          struct pccd_record_settings *settings)
 {
@@ -177,12 +178,14 @@ static int parse_options(struct pccd_client *client, const char *text,
             settings->segments = (uint32_t)value;
         } else if (strcmp(name, "contacts") == 0 && (value == 0 || value == 1)) {
             settings->contacts = (uint32_t)value;
+        } else if (strcmp(name, "up") == 0 && value >= 0 && value <= RECORD_UP_MASK) {
+            settings->up = (uint32_t)value;
         } else if (strcmp(name, "level") == 0 && value >= -1 && value <= LEVEL_MAX) {
             settings->level = (int32_t)value;
         } else {
             return cli_fail(client, PCCD_E_INVAL,
                             "PCCD_RECORD_OPTIONS is not max_bytes=N,segments=N,"
-                            "contacts=1,level=N");
+                            "contacts=1,level=N,up=1|2|3");
         }
     }
     return 0;

@@ -20,6 +20,7 @@ struct cli_recorder {
     uint32_t segments_max;      /* 1: the file is ended when it is full */
     uint32_t segment;
     bool has_records;
+    uint32_t up;                  /* of pccd_record_settings */
     bool is_beginning;            /* what is kept is being written */
     bool has_ended;               /* nothing is written any more */
     struct pccd_record_info info; /* of earlier segments where the writer counts */

@@ -19,7 +19,8 @@ static int write_begin(struct pccd_client *client)
         .pid = (uint32_t)client->owner,
         .daemon_pid = client->pid,
         .segment = recorder->segment,
-        .flags = RECORD_EXACT_PAIRS | (recorder->has_records ? RECORD_HAS_RECORDS : 0u)};
+        .flags = RECORD_EXACT_PAIRS | (recorder->has_records ? RECORD_HAS_RECORDS : 0u) |
+                 recorder->up << RECORD_UP_SHIFT};
     struct timespec now;
 
     (void)clock_gettime(CLOCK_REALTIME, &now);

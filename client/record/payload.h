@@ -18,6 +18,9 @@ enum record_flag {
      * coordinates that are floats, and a few pairs more for others. */
     RECORD_EXACT_PAIRS = 2
 };
+/* The axis that points up, in two bits above these: 1 x, 2 y, 3 z; 0: nobody knows. */
+#define RECORD_UP_SHIFT 2u
+#define RECORD_UP_MASK  3u
 
 struct record_begin {
     uint64_t unix_ns; /* when this segment began */

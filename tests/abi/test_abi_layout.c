@@ -152,6 +152,7 @@ CASE(library__structs_keep_their_layout)
     AT(pccd_record_settings, segments, 8);
     AT(pccd_record_settings, contacts, 12);
     AT(pccd_record_settings, level, 16);
+    AT(pccd_record_settings, up, 20);
     SIZE(pccd_record_info, 48);
     AT(pccd_record_info, frames, 16);
     AT(pccd_record_info, ns, 32);

@@ -172,7 +172,7 @@ class Options(unittest.TestCase):
         self.assertFalse(os.path.exists(os.path.join(self.made.name, "none.html")))
 
     # If it failed, most scenes would lie on their side, and nobody could turn them.
-    def test_up__is_guessed_or_given(self):
+    def test_up__is_guessed_recorded_or_given(self):
         self.assertEqual(self.page().meta["up"], "y")  # the sheet sinks
         self.assertEqual(self.page("--up", "x").meta["up"], "x")
         for name, height in (("above.obj", 1), ("below.obj", -1)):
@@ -182,6 +182,11 @@ class Options(unittest.TestCase):
                 folder=self.made.name)
         page = Page(os.path.join(self.made.name, "up.html"))
         self.assertEqual(page.meta["up"], "z")
+        pccdctl("record", "-o", "up.rec", "--up", "x", "--", os.environ["PCCDCTL"],
+                "check", "above.obj", "below.obj", folder=self.made.name)
+        pccdctl("inspect", "up.rec", "-o", "up.html", folder=self.made.name)
+        page = Page(os.path.join(self.made.name, "up.html"))
+        self.assertEqual(page.meta["up"], "x")  # as recorded
 
     # If it failed, the page would ask for something, or run what it was not built with.
     def test_page__names_no_address_and_has_a_policy(self):

@@ -56,6 +56,10 @@ static const struct option_row rows[] = {
      "one in so many is shown that they do, and a line on standard error says so",
      OPTION_U64, .at = AT(settings.bytes_max), .min = 1, .max = SIZE_MAX_MIB,
      .unit = MIB},
+    {"up", 0, "x|y|z",
+     "The axis that points up (default: as recorded; else the one along which things "
+     "fall, if the motion is plain, or y)",
+     OPTION_WORD, .at = AT(settings.up), .min = 1},
     {"round", 0, NULL,
      "Store coordinates in 16 bits each, which halves the page; they are then rounded to "
      "a 65535th of their object's size",
@@ -70,9 +74,7 @@ static const struct option_row rows[] = {
 
 const struct option_table ctl_table_inspect = {
     .rows = rows,
-    .parts = (const struct option_part[]){{&play_frames_table, AT(options)},
-                                          {&play_up_table, AT(options)},
-                                          {0}},
+    .parts = (const struct option_part[]){{&play_frames_table, AT(options)}, {0}},
     .arguments = "FILE\nFRAME [FRAME...]\nSCENE",
     .text = "Repeat the steps of a recording, or of the frames of a mesh, with a "
             "daemon, and write them as a page that any browser opens: the objects in "
@@ -212,7 +214,6 @@ int ctl_cmd_inspect(int argc, char **argv)
     }
     const uint64_t every = command.settings.every;
     if (status == PCCD_OK) {
-        command.settings.up = command.options.up;
         command.settings.names = command.options.play.names;
         command.settings.name_count = command.options.play.name_count;
         status = write_all(&command, &file, &inspect, &summary, &error);

@@ -29,6 +29,7 @@ struct record_command {
     const char *path;
     uint64_t max_bytes, segments, level;
     bool has_contacts, is_forced;
+    uint32_t up; /* 1 x, 2 y, 3 z; 0: not given */
     struct option_arguments program;
 };
 
@@ -58,6 +59,8 @@ static const struct option_row rows[] = {
      OPTION_U64, .at = AT(segments), .min = 2, .max = SEGMENTS_MAX},
     {"level", 0, "N", "Level of compression, 0 (none) to 19 (default: 1, the fastest)",
      OPTION_U64, .at = AT(level), .min = 0, .max = LEVEL_MAX},
+    {"up", 0, "x|y|z", "Say which axis points up, for those who look at the recording",
+     OPTION_WORD, .at = AT(up), .min = 1},
     {"force", 0, NULL,
      "Remove FILE if it is there, and the recordings FILE-2, FILE.1, ... beside it",
      OPTION_FLAG, .at = AT(is_forced)},
@@ -86,7 +89,8 @@ const struct option_table ctl_table_record = {
 static int set_environment(const struct record_command *command)
 {
     char text[160];
-    int used = snprintf(text, sizeof text, "contacts=%d", command->has_contacts);
+    int used = snprintf(text, sizeof text, "contacts=%d,up=%" PRIu32,
+                        command->has_contacts, command->up);
     if (command->max_bytes > 0) {
         used += snprintf(text + used, sizeof text - (size_t)used, ",max_bytes=%" PRIu64,
                          command->max_bytes);

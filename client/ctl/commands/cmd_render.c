@@ -68,20 +68,6 @@ static void take_view(struct argp_state *state, const struct option_row *row,
     render->elevation = two[1];
 }
 
-static void take_up(struct argp_state *state, const struct option_row *row,
-                    const char *text, void *to)
-{
-    struct render *render = to;
-    (void)row;
-    const char *const axes = "yzx";
-    const char *at = text[0] != '\0' && text[1] == '\0' ? strchr(axes, text[0]) : NULL;
-    if (at == NULL) {
-        option_misused(state, "--up: \"%s\" is not x, y or z", text);
-        return;
-    }
-    render->up = (enum picture_up)(at - axes);
-}
-
 /* all, contacts, first, or contact N, whose number is a word of its own or not. */
 static void take_at(struct argp_state *state, const struct option_row *row,
                     const char *text, void *to)
@@ -176,8 +162,8 @@ static const struct option_row rows[] = {
      OPTION_FLAG, .at = AT(has_first_tries)},
     {"view", 0, "A,E", "Look from azimuth A and elevation E, degrees (default: 25,16)",
      OPTION_OWN, .take = take_view},
-    {"up", 0, "x|y|z", "The axis that points up: x, y (the default) or z", OPTION_OWN,
-     .take = take_up},
+    {"up", 0, "y|z|x", "The axis that points up: y (the default), z or x", OPTION_WORD,
+     .at = AT(up)},
     {"at", 0, "all|contacts|first|contact N",
      "Show all of the step, the contacts, the first of them, or contact N, counted from "
      "1 in the order of the answer. Without --at and --time, of a step with up to 20 "

@@ -218,12 +218,14 @@ static void add_motion(struct inspect *inspect, const struct registry_scene *sce
     }
 }
 
-/* The axis that is up: y, where the motion does not tell. */
-static char up_of(const struct inspect *inspect)
+/* The axis that is up, as was asked for or recorded; else as the motion tells, or y. */
+static char up_of(const struct inspect *inspect, const struct record_begin *begin)
 {
     const double *moved = inspect->moved;
-    if (inspect->settings.up != 0) {
-        return inspect->settings.up;
+    uint32_t recorded = begin->flags >> RECORD_UP_SHIFT & RECORD_UP_MASK;
+    uint32_t given = inspect->settings.up != 0 ? inspect->settings.up : recorded;
+    if (given != 0) {
+        return "xyz"[given - 1];
     }
     for (uint32_t k = 0; k < 3; k++) {
         double others = fmax(fabs(moved[(k + 1) % 3]), fabs(moved[(k + 2) % 3]));
@@ -465,7 +467,7 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof inspect->no_lanes), &ok);
     set(meta, "origin", json_pack("[f, f, f]", origin[0], origin[1], origin[2]), &ok);
     set(meta, "unit", json_real(inspect->unit), &ok);
-    set(meta, "up", json_stringn((char[]){up_of(inspect)}, 1), &ok);
+    set(meta, "up", json_stringn((char[]){up_of(inspect, &summary->begin)}, 1), &ok);
     set(meta, "names", json_incref(inspect->names), &ok);
     set(meta, "meshes", json_incref(inspect->meshes), &ok);
     set(meta, "steps", json_incref(inspect->steps), &ok);

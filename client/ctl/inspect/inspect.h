@@ -77,7 +77,7 @@ struct inspect_settings {
     uint64_t bytes_max; /* of the file */
     uint32_t boxes_max; /* of a level of a hierarchy that is shown; 0: none is */
     bool is_rounded;    /* positions in 16 bits each */
-    char up;            /* 'x', 'y', 'z'; 0: as recorded, or else guessed */
+    uint32_t up;        /* 1 x, 2 y, 3 z; 0: as recorded, or else guessed */
     char *const *names; /* of the objects, in the order of their handles */
     uint32_t name_count;
 };

@@ -79,25 +79,6 @@ bool play_options_are_frames(const struct play_options *options)
             scene_is_named(options->files.list[0]));
 }
 
-static void take_up(struct argp_state *state, const struct option_row *row,
-                    const char *text, void *to)
-{
-    (void)row;
-    if (strlen(text) != 1 || strchr("xyz", text[0]) == NULL) {
-        option_misused(state, "--up: \"%s\" is not x, y or z", text);
-    }
-    ((struct play_options *)to)->up = text[0];
-}
-
-const struct option_table play_up_table = {
-    .rows = (const struct option_row[]){
-        CTL_OUTPUT,
-        {"up", 0, "x|y|z",
-         "The axis that points up (default: as recorded, or the one along which things "
-         "move most, if one is clear, or y)",
-         OPTION_OWN, .take = take_up},
-        {0}}};
-
 static void check_frames(struct argp_state *state, void *to)
 {
     const struct play_options *options = to;

@@ -16,7 +16,6 @@ struct play_options {
     struct ctl_link link;
     struct play_settings play;
     bool is_json;
-    char up;           /* play_up_table: 'x', 'y', 'z'; 0: not given */
     bool takes_frames; /* set before parsing */
     bool takes_files;  /* set before parsing: several recordings */
     struct option_arguments files;
@@ -30,8 +29,6 @@ extern const struct option_table play_table;
 extern const struct option_table play_frames_table;
 /* The same, but --rate is the command's own. */
 extern const struct option_table play_film_table;
-/* --up, of commands that show a scene. */
-extern const struct option_table play_up_table;
 /* As play_table, without the daemon's options. */
 extern const struct option_table play_files_table;
 

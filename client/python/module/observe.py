@@ -169,14 +169,17 @@ class Observe(Scenes):
     # -- recordings of this session --
 
     def record_start(self, path: Any, *, max_bytes: int = 0, segments: int = 0,
-                     contacts: bool = False, level: int = 0) -> None:
+                     contacts: bool = False, level: int = 0, up: str = "") -> None:
         """Write everything that this client asks and is answered to a file, which
         `pccdctl replay` runs again. max_bytes: of all files, 0: no bound. segments: 2 ..
         64: so many files, the oldest of which goes. contacts: the records of answers,
-        too. level: of zstd, 1 .. 19; 0 = 1; negative: nothing is compressed."""
+        too. level: of zstd, 1 .. 19; 0 = 1; negative: nothing is compressed. up: the
+        axis that points up, "x", "y" or "z", for those who show the recording."""
+        if up not in ("", "x", "y", "z"):
+            raise ValueError(f"up is '', 'x', 'y' or 'z', not {up!r}")
         settings = with_size(abi.pccd_record_settings(contacts=bool(contacts)))
         for name, given in (("max_bytes", max_bytes), ("segments", segments),
-                            ("level", level)):
+                            ("level", level), ("up", "xyz".find(up) + 1 if up else 0)):
             put(settings, name, given)
         self._check(lib.pccd_record_start(self._handle, os.fsencode(path),
                                           byref(settings)))
