@@ -218,7 +218,7 @@ class Options(unittest.TestCase):
 
     # If it failed, a wrong use would end in something else than a sentence.
     def test_options__are_refused_when_they_are_wrong(self):
-        for wrong in (["x.rec"], ["x.rec", "-o", "x.htm"], ["-o", "x.html"],
+        for wrong in (["x.rec", "-o", "x.htm"], ["-o", "x.html"],
                       ["x.rec", "-o", "x.html", "--every", "0"],
                       ["x.rec", "-o", "x.html", "--up", "xy"],
                       ["x.rec", "-o", "x.html", "--max-size", "99999"]):
