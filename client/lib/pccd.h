@@ -753,13 +753,14 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
  *
  * Each motion has x0 and x1, and x[i] is memory for as many vertices in the same format;
  * or m0 and m1, and x[i] is memory for 12 doubles: m0 + part (m1 - m0), number by number,
- * which brings each vertex to the place on its straight way. Of a body that turns that is
- * a transform, but no rotation: who wants one goes there by a step of its own. x[i] lies
- * in neither end. *part is 0 .. 1; 1: x is x1. 0: x is x0, as what meets at t = 0
- * (PCCD_INITIAL) leaves no way to go, unless the settings have an `approach`, or leave
- * out what touches and does not enter (`touching`). The answer is that of the whole step,
- * in the mode that was asked for, and the caller's to release; an incomplete one, and
- * mode any or pairs with a hit, are taken for a contact at t = 0.
+ * which brings each vertex to the place on its straight way. Where the two turn that is a
+ * transform, but no rotation. Or it hangs on a joint: then the values of all joints go to
+ * from + part (to - from), in doubles, and x[i] is memory for 12 doubles: the transform
+ * that it has there. x[i] lies in neither end. *part is 0 .. 1; 1: x is x1. 0: x is x0,
+ * as what meets at t = 0 (PCCD_INITIAL) leaves no way to go, unless the settings have an
+ * `approach`, or leave out what touches and does not enter (`touching`). The answer is
+ * that of the whole step, in the mode that was asked for, and the caller's to release; an
+ * incomplete one, and mode any or pairs with a hit, are taken for a contact at t = 0.
  * Errors: those of pccd_step; E_INVAL: an end or x is missing, x lies in an end,
  * or settings with `hold`. */
 int pccd_step_safe(struct pccd_client *client, uint32_t scene,

@@ -299,6 +299,60 @@ CASE(turning__knows_the_clearance_of_two_objects)
     assert_true(test_daemon_finish(&daemon));
 }
 
+/* If this failed, a part that turns could not be taken as far as it is free; or would be
+ * taken farther, or be elsewhere than it is said to be. */
+CASE(turning__goes_as_far_as_nothing_meets)
+{
+    struct hall hall = {.client = test_client_at(test_shared.url)};
+    struct pccd_step_settings settings = DEFAULTS;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    double m[12], part = 2;
+    void *x[1] = {m};
+
+    make(&hall);
+    hinge(&hall, PI / 2);
+    struct pccd_motion motion = {
+        .object = hall.door, .first = hall.joint_count - 1, .count = QUAD};
+    settings.joints = hall.joints;
+    settings.joint_count = hall.joint_count;
+    for (int i = 0; i < 3; i++) { /* about what is possible near the end, too */
+        settings.separation = i == 2 ? 0.04 : 0;
+        settings.resolution = i == 1 ? 1e-4 : 0;
+        const double least = i == 1 ? 1e-2 : 1e-4;
+        const double met = (ANGLE - asin(settings.separation / 0.5)) / (PI / 2);
+        assert_ok(pccd_step_safe(hall.client, hall.scene, &motion, 1, &settings, x, &part,
+                                 &answer));
+        assert_true(answer.total > 0);
+        pccd_answer_release(hall.client, &answer);
+        assert_true(part < met && part > met - least);
+        assert_true(fabs(m[0] - cos(part * PI / 2)) < 1e-14 &&
+                    fabs(m[4] - sin(part * PI / 2)) < 1e-14);
+        struct pccd_near near = distance(&hall); /* it stands there */
+        assert_true(fabs(near.d_lo - 0.5 * sin(ANGLE - part * PI / 2)) < 1e-9);
+        hinge(&hall, part * (PI / 2));
+        assert_ok(turn(&hall, settings, &answer));
+        assert_true(answer.total == 0 && answer.safe_step == 1);
+        pccd_answer_release(hall.client, &answer);
+        hinge(&hall, PI / 2);
+    }
+    hinge(&hall, 1);
+    settings.separation = 0;
+    assert_ok(pccd_step_safe(hall.client, hall.scene, &motion, 1, &settings, x, &part,
+                             &answer));
+    pccd_answer_release(hall.client, &answer);
+    assert_true(part == 1 && fabs(m[0] - cos(1)) < 1e-15);
+    x[0] = NULL;
+    assert_int_equal(
+        pccd_step_safe(hall.client, hall.scene, &motion, 1, &settings, x, &part, &answer),
+        PCCD_E_INVAL);
+    x[0] = m;
+    settings.joint_count = 0;
+    assert_int_equal(
+        pccd_step_safe(hall.client, hall.scene, &motion, 1, &settings, x, &part, &answer),
+        PCCD_E_INVAL);
+    pccd_close(hall.client);
+}
+
 /* If this failed, the bodies of several sessions could not turn over the same time, or a
  * recording of it would be of something else. */
 CASE(turning__of_held_frames_goes_along_and_is_recorded)

@@ -77,6 +77,13 @@ class Steps(Case):
                 self.assertAlmostEqual(answer.toi_first, toi, 5)
         with self.client.near(self.scene, "nearest", motions=moves) as answer:
             self.assertEqual(answer.count, 1)
+        table["from"][0, 0], table["to"][0, 0] = 0, math.pi / 2
+        place = np.empty((3, 4))
+        part, answer = self.client.step_safe(self.scene, moves, [place])
+        with answer:
+            self.assertEqual(answer.count, 3)
+        self.assertTrue(.4999 < part < .5)
+        self.assertAlmostEqual(place[0, 0], math.cos(part * math.pi / 2), 12)
 
     # If this failed, many motions at once would be others than one by one.
     def test_batches__turn_as_motions_do(self):

@@ -175,14 +175,16 @@ class Client(Observe):
         whole step. Each of the motions is an x0x1; its vertices come to the array of x at
         its place, of the same shape and type: x0 + part (x1 - x0), rounded. Or it is
         rigid, and x has an array (3, 4) of float64 for m0 + part (m1 - m0), which is no
-        rotation where it turns. The step from the begin to these, which is where the
+        rotation where it turns; or it hangs on a joint, and x has such an array for its
+        transform, while all joints have gone to begin + part (end - begin).
+        The step from the begin to these, which is where the
         objects then are, was tested, too: nothing meets in it. part is 0 where something
         meets at once."""
         if len(x) != motions._count:
             raise refusal(Status.E_INVAL, f"{motions._count} motions and {len(x)} arrays")
         for k, array in enumerate(x):
             motion = motions._structs[k]
-            is_rigid = bool(motion.m0)
+            is_rigid = not motion.x1  # or hangs on a joint
             Motions._check(f"x[{k}]", array, (3, 4) if is_rigid else (motion.count, 3))
             wanted = Format.F64 if is_rigid else motion.format
             if format_of(array.dtype) != wanted or not array.flags.writeable:
@@ -192,7 +194,7 @@ class Client(Observe):
         part, answer = ctypes.c_double(), self._new_answer()
         self._check(lib.pccd_step_safe(self._handle, u32("scene", scene),
                                        motions._structs, motions._count,
-                                       settings._as_parameter_, to, byref(part),
+                                       motions._step_settings(settings), to, byref(part),
                                        byref(answer)))
         answer._come(self)
         return part.value, answer
