@@ -18,7 +18,7 @@ HEADERS = ["client/lib/pccd.h", "client/lib/pccd_near.h", "client/lib/pccd_batch
            "proto/common/pccd_daemon.h", "proto/common/pccd_trace.h"]
 # Our comments begin with /* and stand before what they describe, or behind it on its
 # line; a line of dashes begins a part of a header. Doxygen wants /** and /**<.
-FILTER = (r"sed -E 's,^/\* (pccd[a-z_]*\.h) - ,/** @file \1 \n * ,;"
+FILTER = (r"sed -E 's,^/\* (pccd[a-z_]*\.h) - (.),/** @file \1 \n * \u\2,;"
           r" s,^/\* -+ (.*[^ -]) -+ \*/$,/** @} */ /** @name \1 */ /** @{ */,;"
           r" s,^( *)/\* ,\1/** ,; s,([;\,{]) +/\* ,\1 /**< ,'")
 SETTINGS = """
