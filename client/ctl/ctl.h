@@ -38,6 +38,7 @@ struct ctl_error;
     X(metrics, "print counters and latencies for Prometheus", NULL)                      \
     X(trace, "trace what a daemon's threads do, for Perfetto", NULL)                     \
     X(config, "list, print or change settings of a running daemon", NULL)                \
+    X(drain, "let a daemon end with its last client", NULL)                              \
     X(ping, "measure round trips through the daemon", NULL)                              \
     X(completion, "print what a shell needs to complete commands and options",           \
       "The rest")                                                                        \

@@ -32,6 +32,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_config.c \
     client/ctl/commands/cmd_demo.c \
     client/ctl/commands/cmd_doctor.c \
+    client/ctl/commands/cmd_drain.c \
     client/ctl/commands/cmd_export.c \
     client/ctl/commands/cmd_inspect.c \
     client/ctl/commands/cmd_list.c \
@@ -84,6 +85,7 @@ libctl_la_SOURCES = \
     client/ctl/near/near_report.c \
     client/ctl/near/near_run.c \
     client/ctl/columns.c \
+    client/ctl/observe/http.c \
     client/ctl/observe/counters.c \
     client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c \
     client/ctl/observe/health.c \
@@ -134,7 +136,7 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/registry \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto $(tool_cppflags)
 libctl_la_CPPFLAGS = $(PCCD_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
-    $(XXHASH_CFLAGS) $(EXPAT_CFLAGS)
+    $(XXHASH_CFLAGS) $(EXPAT_CFLAGS) $(MICROHTTPD_CFLAGS)
 # The assembler takes the page in: no compiler tells of it.
 noinst_LTLIBRARIES += libpage.la
 libpage_la_SOURCES = client/ctl/inspect/page_template.c
@@ -145,7 +147,7 @@ libctl_la_LIBADD = libpage.la libtools.la libregistry.la
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) \
-    $(EXPAT_LIBS) $(LIBM)
+    $(EXPAT_LIBS) $(MICROHTTPD_LIBS) $(LIBM)
 
 # Of README.md; client/README.md has the command that drew it.
 

@@ -2,6 +2,7 @@
 #include "commandline.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <sched.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -19,16 +20,16 @@
 
 const char *argp_program_version = "pccdd " PACKAGE_VERSION;
 
-static void take_socket(struct argp_state *state, const struct option_row *row,
-                        const char *text, void *to)
+/* Its row says where it goes, and `max` how many bytes there are. */
+static void take_path(struct argp_state *state, const struct option_row *row,
+                      const char *text, void *to)
 {
-    struct srv_options *options = to;
-    (void)row;
-    if (text[0] == '\0' || strlen(text) >= sizeof options->socket_path) {
-        option_misused(state, "--socket: a path has 1 to %u bytes, this one %zu",
-                       SRV_SOCKET_PATH_BYTES - 1, strlen(text));
+    size_t bytes = strlen(text);
+    if (bytes == 0 || bytes >= (size_t)row->max) {
+        option_misused(state, "--%s: a path has 1 to %zu bytes, this one %zu", row->name,
+                       (size_t)row->max - 1, bytes);
     }
-    strcpy(options->socket_path, text);
+    strcpy((char *)to + row->at, text);
 }
 
 static void take_user(struct argp_state *state, const struct option_row *row,
@@ -57,6 +58,7 @@ static_assert(SRV_PIN_AUTO == 0 && SRV_PIN_ON == 1 && SRV_PIN_OFF == 2 &&
                   SRV_SANDBOX_AUTO == 0 && SRV_SANDBOX_ON == 1 && SRV_SANDBOX_OFF == 2,
               "by place in auto|on|off");
 static_assert(SRV_LOG_ERROR == 0 && SRV_LOG_DEBUG == 3, "by place in error|..|debug");
+static_assert(SRV_LOG_TEXT == 0 && SRV_LOG_JSON == 1, "by place in text|json");
 
 #define AT(member) offsetof(struct srv_options, member)
 static const struct option_row rows[] = {
@@ -64,7 +66,7 @@ static const struct option_row rows[] = {
     {"socket", 's', "PATH",
      "listen there (default: $XDG_RUNTIME_DIR/pccd/pccd.sock, or "
      "/tmp/pccd-UID/pccd.sock)",
-     OPTION_OWN, .take = take_socket},
+     OPTION_OWN, .at = AT(socket_path), .max = SRV_SOCKET_PATH_BYTES, .take = take_path},
     {"private", 0, NULL, "exit with the last client, or after 10 s if none comes",
      OPTION_FLAG, .at = AT(private_daemon)},
     {"idle-exit", 0, "SECONDS",
@@ -92,6 +94,16 @@ static const struct option_row rows[] = {
      .at = AT(ready_fd), .max = 1u << 20},
     {"log-level", 'l', "error|warn|info|debug", "error, warn, info (default) or debug",
      OPTION_WORD, .at = AT(log_level)},
+    {"log-format", 0, "text|json",
+     "text (default), or json: one object a line, for programs that collect logs",
+     OPTION_WORD, .at = AT(log_format)},
+    {"log-file", 0, "FILE",
+     "append messages to FILE, and open it anew on SIGHUP (default: standard error)",
+     OPTION_OWN, .at = AT(log_path), .max = SRV_PATH_BYTES, .take = take_path},
+    {"config", 0, "FILE",
+     "read options from lines NAME = VALUE of FILE, and on SIGHUP again; those of the "
+     "command line come after them",
+     OPTION_OWN, .at = AT(config_path), .max = SRV_PATH_BYTES, .take = take_path},
     {"allow-uid", 0, "USER",
      "let this user be a client, besides root and the daemon's own; may be repeated "
      "(default: whoever can reach the socket)",
@@ -170,15 +182,15 @@ static uint64_t shared_memory(void)
     return eighth > PROTO_SHM_BYTES_PER_UID ? eighth : PROTO_SHM_BYTES_PER_UID;
 }
 
-void srv_options_parse(struct srv_options *options, int argc, char **argv)
-{
-    static const struct option_table table = {
-        .rows = rows,
-        .text =
-            "Continuous collision detection of deforming triangle meshes, as a service "
+static const struct option_table table = {
+    .rows = rows,
+    .text = "Continuous collision detection of deforming triangle meshes, as a service "
             "for the processes of this machine.",
-        .examples = "  pccdd --supervise\n"
-                    "  pccdd --socket /tmp/pccd.sock --threads 4 --log-level warn\n"};
+    .examples = "  pccdd --supervise\n"
+                "  pccdd --socket /tmp/pccd.sock --threads 4 --log-level warn\n"};
+
+static void set_defaults(struct srv_options *options)
+{
     *options = (struct srv_options){
         .threads_max = cpu_count(),
         .connections_max = 1024,
@@ -199,9 +211,87 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
         .listen_fd = -1,
         .log_level = SRV_LOG_INFO,
     };
+}
+
+static void parse(struct srv_options *options, int argc, char **argv)
+{
     if (option_parse(&table, argc, argv, options) != 0) {
         fputs("pccdd: out of memory\n", stderr);
         exit(1);
+    }
+}
+
+/* ---- the configuration file -------------------------------------------------------- */
+
+struct search {
+    const char *name;
+    const struct option_row *row; /* NULL: there is none of that name */
+};
+
+static void look_at_row(void *context, const struct option_row *row)
+{
+    struct search *search = context;
+    search->row = strcmp(row->name, search->name) == 0 ? row : search->row;
+}
+
+/* Take one line as the option that it names. What is wrong ends the program. */
+static void take_line(struct srv_options *options, const char *path,
+                      const struct srv_settings_line *line)
+{
+    char place[SRV_PATH_BYTES + 32], word[sizeof line->name + sizeof line->value + 4];
+    char *argv[] = {program_invocation_name, word, NULL};
+    struct search search = {.name = line->name};
+    snprintf(place, sizeof place, "%s:%u", path, line->number);
+    option_each(&table, look_at_row, &search);
+    const char *wrong =
+        search.row == NULL ? "there is no such setting"
+        : search.row->at == AT(ready_fd) || search.row->at == AT(config_path)
+            ? "this is for the command line"
+        : search.row->type == OPTION_FLAG && strcmp(line->value, "yes") != 0 &&
+                strcmp(line->value, "no") != 0
+            ? "yes or no is wanted"
+            : NULL;
+    if (wrong != NULL) {
+        fprintf(stderr, "pccdd: %s: %s: %s\n", place, line->name, wrong);
+        exit(argp_err_exit_status);
+    }
+    if (search.row->type != OPTION_FLAG) {
+        snprintf(word, sizeof word, "--%s=%s", line->name, line->value);
+    } else if (strcmp(line->value, "yes") == 0) {
+        snprintf(word, sizeof word, "--%s", line->name);
+    } else {
+        return;
+    }
+    option_set_place(place);
+    parse(options, 2, argv);
+    option_set_place(NULL);
+}
+
+/* Take the file over the defaults, and the command line over the file. */
+static void parse_file(struct srv_options *options, int argc, char **argv)
+{
+    static struct srv_settings_file file;
+    char error[SRV_SETTINGS_ERROR_BYTES];
+    char path[SRV_PATH_BYTES];
+    strcpy(path, options->config_path);
+    if (!srv_settings_file_read(&file, path, error)) {
+        fprintf(stderr, "pccdd: %s\n", error);
+        exit(argp_err_exit_status);
+    }
+    set_defaults(options);
+    for (uint32_t i = 0; i < file.count; i++) {
+        take_line(options, path, &file.lines[i]);
+    }
+    parse(options, argc, argv);
+    options->config = &file;
+}
+
+void srv_options_parse(struct srv_options *options, int argc, char **argv)
+{
+    set_defaults(options);
+    parse(options, argc, argv);
+    if (options->config_path[0] != '\0') {
+        parse_file(options, argc, argv);
     }
     if (options->socket_path[0] == '\0' &&
         proto_default_socket_path(options->socket_path, sizeof options->socket_path) !=

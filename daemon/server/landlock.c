@@ -23,6 +23,7 @@
 #define READ_FILE   (1u << 2)
 #define REMOVE_DIR  (1u << 4)
 #define REMOVE_FILE (1u << 5)
+#define MAKE_REG    (1u << 8)
 #define MAKE_SOCK   (1u << 9)
 #define MAKE_ANY    (0x7fu << 6) /* device files, folders, files, sockets, pipes, links */
 #define REFER       (1u << 13)   /* version 2: rename or link into another folder */
@@ -40,7 +41,7 @@ struct path_beneath_attr {
 /* Let `rights` go on beneath the folder that is the first `length` bytes of `path`. */
 static bool allow(int ruleset, const char *path, size_t length, uint64_t rights)
 {
-    char folder[SRV_SOCKET_PATH_BYTES];
+    char folder[SRV_PATH_BYTES];
     snprintf(folder, sizeof folder, "%.*s", (int)length, path);
     const char *name = length == 0 ? (path[0] == '/' ? "/" : ".") : folder;
     struct path_beneath_attr rule = {.allowed_access = rights};
@@ -65,7 +66,17 @@ static size_t folder_length(const char *path, size_t length)
     return length;
 }
 
-/* Allow the daemon its own files; one that was given its socket has none. */
+/* Allow what SIGHUP has opened again. */
+static bool allow_again(int ruleset, const struct srv_options *options)
+{
+    const char *config = options->config_path, *log = options->log_path;
+    return (config[0] == '\0' ||
+            allow(ruleset, config, folder_length(config, strlen(config)), READ_FILE)) &&
+           (log[0] == '\0' ||
+            allow(ruleset, log, folder_length(log, strlen(log)), WRITE_FILE | MAKE_REG));
+}
+
+/* Allow the daemon its socket and lock; one that was given its socket has none. */
 static bool allow_own(int ruleset, const struct srv_options *options)
 {
     const char *path = options->socket_path;
@@ -92,7 +103,7 @@ int srv_landlock_enter(const struct srv_options *options)
     if (ruleset < 0) {
         return 0;
     }
-    bool is_in = allow_own(ruleset, options) &&
+    bool is_in = allow_own(ruleset, options) && allow_again(ruleset, options) &&
                  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
                  syscall(CALL_RESTRICT_SELF, ruleset, 0) == 0;
     close(ruleset);

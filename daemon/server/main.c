@@ -84,7 +84,8 @@ static void ignore_signals(void)
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigemptyset(&ignore.sa_mask);
     sigaction(SIGPIPE, &ignore, NULL); /* a dead peer is an error of its socket */
-    sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go */
+    sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go; who has a
+                                          file to read again takes it (reactor.c) */
 }
 
 /* Its messages go to the file beside the socket (last_words.h). */
@@ -152,6 +153,12 @@ int main(int argc, char **argv)
     struct srv_options options;
     srv_options_parse(&options, argc, argv);
     srv_log_set_level(options.log_level);
+    srv_log_set_format(options.log_format);
+    int failed = options.log_path[0] != '\0' ? srv_log_open(options.log_path) : 0;
+    if (failed != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s", options.log_path, strerror(failed));
+        return 1;
+    }
     srv_log_own_file(has_own_log() ? COMMON_OWN_LOG_BYTES : 0);
     if (!has_instruction_set()) {
         return 1;

@@ -53,6 +53,7 @@ struct srv_reactor {
     struct srv_wakeup wakeup;   /* rung when a thread has finished jobs */
     uv_signal_t sigterm;
     uv_signal_t sigint;
+    uv_signal_t sighup;
     uv_timer_t idle;  /* until we go because nobody is here */
     uv_timer_t grace; /* until requests in flight are cancelled, then until we give up */
     struct srv_heartbeat heartbeat; /* of which the service manager is told */
@@ -98,6 +99,7 @@ static void close_handles(struct srv_reactor *reactor)
     }
     close_if_open((uv_handle_t *)&reactor->sigterm);
     close_if_open((uv_handle_t *)&reactor->sigint);
+    close_if_open((uv_handle_t *)&reactor->sighup);
     close_if_open((uv_handle_t *)&reactor->idle);
     close_if_open((uv_handle_t *)&reactor->grace);
     close_if_open((uv_handle_t *)&reactor->report);
@@ -227,6 +229,18 @@ static void on_signal(uv_signal_t *signal, int number)
         shut_down(reactor, number == SIGTERM ? "SIGTERM" : "SIGINT");
     } else {
         on_grace(&reactor->grace); /* asked twice: no more patience */
+    }
+}
+
+/* An operator has changed the configuration file, or has renamed that of the log. */
+static void on_hangup(uv_signal_t *signal, int number)
+{
+    struct srv_reactor *reactor = signal->data;
+    const struct srv_options *options = reactor->server.service.options;
+    (void)number;
+    srv_log_reopen();
+    if (options->config != NULL) {
+        srv_config_reload(&reactor->server.service);
     }
 }
 
@@ -408,13 +422,16 @@ static int init_handles(struct srv_reactor *reactor)
                        &reactor->server.service);
     uv_signal_init(&reactor->server.uv, &reactor->sigterm);
     uv_signal_init(&reactor->server.uv, &reactor->sigint);
+    uv_signal_init(&reactor->server.uv, &reactor->sighup);
     reactor->idle.data = reactor;
     reactor->grace.data = reactor;
     reactor->stopper.data = reactor;
     reactor->sigterm.data = reactor;
     reactor->sigint.data = reactor;
+    reactor->sighup.data = reactor;
     if (uv_signal_start(&reactor->sigterm, on_signal, SIGTERM) != 0 ||
-        uv_signal_start(&reactor->sigint, on_signal, SIGINT) != 0) {
+        uv_signal_start(&reactor->sigint, on_signal, SIGINT) != 0 ||
+        uv_signal_start(&reactor->sighup, on_hangup, SIGHUP) != 0) {
         close_handles(reactor);
         return PCCD_E_SYSTEM;
     }

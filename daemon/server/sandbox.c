@@ -66,6 +66,24 @@ static int allow_reopening(scmp_filter_ctx filter)
     return status;
 }
 
+/* Allow opening what SIGHUP has opened again. Where Landlock is, it allows these files'
+ * folders alone. */
+static int allow_own_files(scmp_filter_ctx filter, const struct srv_options *options)
+{
+    const uint64_t flags[] = {O_RDONLY | O_CLOEXEC, /* fopen's "re" and "ae" */
+                              O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC};
+    const bool wanted[] = {options->config != NULL && landlock_version == 0,
+                           options->log_path[0] != '\0'};
+    int status = 0;
+    for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
+        if (wanted[i]) {
+            status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
+                                       SCMP_A2(SCMP_CMP_EQ, flags[i], 0));
+        }
+    }
+    return status;
+}
+
 /* Allow binding: who has bound the socket binds it anew when somebody removes its
  * file. */
 static int allow_binding(scmp_filter_ctx filter)
@@ -112,6 +130,7 @@ static int enter(const struct srv_options *options)
     }
     if (status == 0 && (allow_some(filter) != 0 ||
                         (landlock_version > 0 && allow_reopening(filter) != 0) ||
+                        allow_own_files(filter, options) != 0 ||
                         (options->listen_fd < 0 && allow_binding(filter) != 0))) {
         status = -EINVAL;
     }

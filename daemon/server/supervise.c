@@ -351,6 +351,13 @@ static int on_signal(struct supervisor *supervisor)
     if (read(supervisor->signal_fd, &info, sizeof info) != (ssize_t)sizeof info) {
         return -1;
     }
+    if (info.ssi_signo == SIGHUP) {
+        srv_log_reopen();
+        kill(supervisor->worker.pid, SIGHUP);
+        end_spare(supervisor); /* it has read the file as it was */
+        supervisor->wants_spare = true;
+        return -1;
+    }
     if (info.ssi_signo != SIGCHLD) {
         supervisor->stopping = true;
         srv_notify_announce("STOPPING=1");
@@ -414,6 +421,7 @@ int srv_supervise(const struct srv_options *options, char **argv,
     sigaddset(&signals, SIGCHLD);
     sigaddset(&signals, SIGTERM);
     sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGHUP);
     if (sigprocmask(SIG_BLOCK, &signals, NULL) != 0 ||
         (supervisor.signal_fd = signalfd(-1, &signals, SFD_CLOEXEC)) < 0 ||
         srv_socketfile_bind(&supervisor.file, options, &supervisor.listen_fd) != 0) {

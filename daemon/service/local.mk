@@ -5,6 +5,7 @@ libservice_la_SOURCES = \
     daemon/service/base/handles.c \
     daemon/service/base/invariant.c \
     daemon/service/base/log.c \
+    daemon/service/base/settings_file.c \
     daemon/service/base/metrics.c \
     daemon/service/queue/compute.c \
     daemon/service/queue/crash_context.c \

@@ -10,7 +10,7 @@ sysusersdir = $(prefix)/lib/sysusers.d
 CLEANFILES += $(systemdunit_DATA) $(systemduserunit_DATA)
 
 make_unit = $(AM_V_GEN)$(MKDIR_P) $(@D) && \
-    sed 's|@bindir[@]|$(bindir)|' $(srcdir)/$@.in >$@.tmp && mv $@.tmp $@
+    sed 's|@bindir[@]|$(bindir)|; s|@sysconfdir[@]|$(sysconfdir)|' $(srcdir)/$@.in >$@.tmp && mv $@.tmp $@
 daemon/systemd/pccdd.service: daemon/systemd/pccdd.service.in Makefile
 	$(make_unit)
 daemon/systemd/pccdd.socket: daemon/systemd/pccdd.socket.in Makefile
@@ -24,5 +24,8 @@ daemon/systemd/user/pccdd.socket: daemon/systemd/user/pccdd.socket.in Makefile
 install-data-local:
 	$(MKDIR_P) '$(DESTDIR)$(sysusersdir)'
 	$(INSTALL_DATA) $(srcdir)/daemon/systemd/pccd.sysusers '$(DESTDIR)$(sysusersdir)/pccd.conf'
+	$(MKDIR_P) '$(DESTDIR)$(sysconfdir)/pccd'
+	test -e '$(DESTDIR)$(sysconfdir)/pccd/pccdd.conf' || \
+	    $(INSTALL_DATA) $(srcdir)/daemon/systemd/pccdd.conf '$(DESTDIR)$(sysconfdir)/pccd/pccdd.conf'
 uninstall-local:
-	rm -f '$(DESTDIR)$(sysusersdir)/pccd.conf'
+	rm -f '$(DESTDIR)$(sysusersdir)/pccd.conf' '$(DESTDIR)$(sysconfdir)/pccd/pccdd.conf'

@@ -13,6 +13,13 @@
 #define KEY_BASE      0x100 /* of options without a letter */
 #define MESSAGE_BYTES 4096u
 
+static const char *place_now; /* NULL: the command line */
+
+void option_set_place(const char *place)
+{
+    place_now = place;
+}
+
 void option_misused(const struct argp_state *state, const char *format, ...)
 {
     char text[MESSAGE_BYTES], shown[MESSAGE_BYTES];
@@ -21,6 +28,10 @@ void option_misused(const struct argp_state *state, const char *format, ...)
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     proto_printable(text, strlen(text), shown, sizeof shown);
+    if (place_now != NULL) { /* no word of the command line's help */
+        fprintf(stderr, "%s: %s: %s\n", program_invocation_short_name, place_now, shown);
+        exit(argp_err_exit_status);
+    }
     argp_error(state, "%s", shown);
 }
 
@@ -412,10 +423,10 @@ static bool takes_next(const struct parsing *parsing, const char *word)
     }
     for (const struct argp_option *option = parsing->options;
          option->name != NULL || option->key != 0 || option->doc != NULL; option++) {
-        bool may_be = word[1] == '-' ? option->name != NULL &&
-                                           strncmp(word + 2, option->name,
-                                                   strlen(word + 2)) == 0
-                                     : word[1] == option->key && word[2] == '\0';
+        bool may_be = word[1] == '-'
+                          ? option->name != NULL &&
+                                strncmp(word + 2, option->name, strlen(word + 2)) == 0
+                          : word[1] == option->key && word[2] == '\0';
         if (may_be && option->arg != NULL) {
             return true;
         }
@@ -523,9 +534,8 @@ int option_parse(const struct option_table *table, int argc, char **argv, void *
     if (parsing.places != NULL && parsing.options != NULL) {
         add_rows(&parsing, table, to);
         list_options(&parsing);
-        const struct argp argp = {.options = parsing.options,
-                                  .parser = parse,
-                                  .args_doc = table->arguments};
+        const struct argp argp = {
+            .options = parsing.options, .parser = parse, .args_doc = table->arguments};
         status = argp_parse(&argp, argc, argv, table->ends_options ? ARGP_IN_ORDER : 0,
                             NULL, &parsing);
     }

@@ -82,6 +82,9 @@ int option_parse(const struct option_table *table, int argc, char **argv, void *
  * as \xNN. */
 void option_misused(const struct argp_state *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+/* Say of what follows where it stands, such as "pccdd.conf:3"; NULL: on the command line.
+ * The text is the caller's. */
+void option_set_place(const char *place);
 /* Return a number in the row's range. */
 uint64_t option_number(const struct argp_state *state, const struct option_row *row,
                        const char *text);

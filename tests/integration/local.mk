@@ -73,6 +73,7 @@ test_scripts += \
     tests/integration/unit_check.sh \
     tests/integration/ctl_check.sh \
     tests/integration/ctl_observe.sh \
+    tests/integration/ctl_operate.sh \
     tests/integration/load_check.sh \
     tests/integration/ctl_files.sh \
     tests/integration/ctl_record.sh \

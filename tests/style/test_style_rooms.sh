@@ -125,7 +125,7 @@ client/ipc          ipc/collisions/normal/normal_collisions.hpp
 client/planner      arm.hpp pccd_motion.hpp cstdio cstdlib cstring ompl/base/spaces/RealVectorStateSpace.h
 client/planner      ompl/geometric/SimpleSetup.h ompl/geometric/planners/rrt/RRTConnect.h
 client/planner      ompl/util/RandomNumbers.h
-client/ctl          expat.h jansson.h png.h xxhash.h zlib.h
+client/ctl          expat.h jansson.h microhttpd.h png.h xxhash.h zlib.h
 client/mpi          malloc.h mpi.h xxhash.h
 client/mpi/program  jansson.h malloc.h mpi.h
 client/mpi/example  mpi.h
@@ -157,7 +157,7 @@ c_library='argp.h assert.h ctype.h dirent.h dlfcn.h endian.h errno.h execinfo.h 
     linux/openat2.h linux/seccomp.h locale.h malloc.h math.h netinet/in.h
     poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/inotify.h
-    sys/ioctl.h sys/mman.h sys/prctl.h sys/ptrace.h sys/random.h sys/resource.h sys/signalfd.h sys/socket.h sys/stat.h sys/syscall.h
+    sys/ioctl.h sys/mman.h sys/pidfd.h sys/prctl.h sys/ptrace.h sys/random.h sys/resource.h sys/signalfd.h sys/socket.h sys/stat.h sys/syscall.h
     sys/time.h sys/timerfd.h
     sys/types.h sys/uio.h sys/un.h sys/user.h sys/wait.h termios.h time.h unistd.h'
 

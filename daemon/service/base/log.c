@@ -1,6 +1,7 @@
 /* log.c - what the daemon says about itself. */
 #include "log.h"
 
+#include <errno.h>
 #include <poll.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -12,7 +13,8 @@
 #include "now.h"
 #include "printable.h"
 
-#define LINE_BYTES 1024u
+#define MESSAGE_BYTES 896u                       /* and a NUL; the rest is left out */
+#define LINE_BYTES    (2 * MESSAGE_BYTES + 160u) /* room for a message in quotes */
 
 static const char *const level_names[SRV_LOG_COUNT] = {"error", "warn", "info", "debug"};
 
@@ -23,6 +25,37 @@ static _Atomic int level_max = SRV_LOG_INFO;
 void srv_log_set_level(enum srv_level level)
 {
     atomic_store_explicit(&level_max, (int)level, memory_order_relaxed);
+}
+
+/* Relaxed, like the level. */
+static _Atomic int format_now = SRV_LOG_TEXT;
+
+void srv_log_set_format(enum srv_log_format format)
+{
+    atomic_store_explicit(&format_now, (int)format, memory_order_relaxed);
+}
+
+static const char *file_path; /* set once at start; NULL: what stderr was */
+
+int srv_log_open(const char *path)
+{
+    file_path = path;
+    FILE *file = fopen(path, "ae"); /* with the flags that the sandbox allows */
+    bool is_open = file != NULL && dup3(fileno(file), STDERR_FILENO, 0) >= 0;
+    int failed = is_open ? 0 : errno;
+    if (file != NULL) {
+        fclose(file);
+    }
+    return failed;
+}
+
+void srv_log_reopen(void)
+{
+    int failed = file_path != NULL ? srv_log_open(file_path) : 0;
+    if (failed != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s: %s; messages go where they went", file_path,
+                strerror(failed));
+    }
 }
 
 /* Relaxed, like the level. 0: it is not ours. */
@@ -53,22 +86,15 @@ int srv_log_level_by_name(const char *name)
     return -1;
 }
 
-/* Time, level and session into line[capacity]; returns the length. */
-static size_t write_prefix(char *line, size_t capacity, enum srv_level level,
-                           uint64_t session)
+/* The time now as ISO 8601 has it, in UTC, up to the millisecond. */
+static void write_time(char text[32])
 {
     struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
     struct tm utc;
+    clock_gettime(CLOCK_REALTIME, &now);
     gmtime_r(&now.tv_sec, &utc);
-    size_t length = strftime(line, capacity, "%Y-%m-%dT%H:%M:%S", &utc);
-    int more = session == 0
-                   ? snprintf(line + length, capacity - length, ".%03ldZ %-5s - ",
-                              now.tv_nsec / 1000000, level_names[level])
-                   : snprintf(line + length, capacity - length, ".%03ldZ %-5s s%llu ",
-                              now.tv_nsec / 1000000, level_names[level],
-                              (unsigned long long)session);
-    return length + (size_t)more;
+    size_t length = strftime(text, 32, "%Y-%m-%dT%H:%M:%S", &utc);
+    snprintf(text + length, 32 - length, ".%03ldZ", now.tv_nsec / 1000000);
 }
 
 /* ---- how often --------------------------------------------------------------------- */
@@ -117,18 +143,65 @@ static bool is_in_time(struct kind *kind)
 
 /* ---- lines ------------------------------------------------------------------------- */
 
+/* Write `text`, which holds no control characters, within a JSON string: at most twice as
+ * many bytes. Returns how many. */
+static size_t write_quoted(const char *text, char *to)
+{
+    size_t length = 0;
+    for (; *text != '\0'; text++) {
+        if (*text == '"' || *text == '\\') {
+            to[length++] = '\\';
+        }
+        to[length++] = *text;
+    }
+    return length;
+}
+
+/* Returns the length of the line, without its end. */
+static size_t write_text(char *line, size_t capacity, enum srv_level level,
+                         uint64_t session, const char *message)
+{
+    char time[32], about[24] = "-";
+    write_time(time);
+    if (session != 0) {
+        snprintf(about, sizeof about, "s%llu", (unsigned long long)session);
+    }
+    int length = snprintf(line, capacity, "%s %-5s %s %s", time, level_names[level],
+                          about, message);
+    return (size_t)length < capacity ? (size_t)length : capacity - 1;
+}
+
+static size_t write_json(char *line, size_t capacity, enum srv_level level,
+                         uint64_t session, const char *message)
+{
+    char time[32], about[48] = "";
+    write_time(time);
+    if (session != 0) {
+        snprintf(about, sizeof about, "\"session\":%llu,", (unsigned long long)session);
+    }
+    size_t length = (size_t)snprintf(line, capacity,
+                                     "{\"time\":\"%s\",\"level\":\"%s\",%s\"message\":\"",
+                                     time, level_names[level], about);
+    length += write_quoted(message, line + length);
+    line[length] = '"';
+    line[length + 1] = '}';
+    return length + 2;
+}
+
 static void write_line(enum srv_level level, uint64_t session, const char *format,
                        va_list arguments) __attribute__((format(printf, 3, 0)));
 static void write_line(enum srv_level level, uint64_t session, const char *format,
                        va_list arguments)
 {
-    char line[LINE_BYTES], text[LINE_BYTES];
-    size_t start = write_prefix(line, sizeof line, level, session);
-    vsnprintf(text, sizeof text, format, arguments);
+    char line[LINE_BYTES], said[1024], message[MESSAGE_BYTES];
+    bool is_json =
+        atomic_load_explicit(&format_now, memory_order_relaxed) == SRV_LOG_JSON;
+    vsnprintf(said, sizeof said, format, arguments);
     /* Whatever a client has called itself, a line stays one. */
-    (void)proto_printable(text, strlen(text), line + start, sizeof line - start);
-    size_t length = start + strlen(line + start);
-    line[length] = '\n'; /* over the terminating NUL */
+    (void)proto_printable(said, strlen(said), message, sizeof message);
+    size_t length = is_json ? write_json(line, sizeof line - 1, level, session, message)
+                            : write_text(line, sizeof line - 1, level, session, message);
+    line[length] = '\n';
     /* A pipe that nobody reads must not stop the daemon. One with room has it for at
      * least PIPE_BUF bytes, enough for a line of each of the two threads. */
     struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};

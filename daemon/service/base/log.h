@@ -1,6 +1,8 @@
 /* log.h - the daemon's log.
  *
- * Write one line to stderr per event: ISO time, level, session, text. Limit each kind of
+ * Write one line to stderr per event: ISO time, level, session, text; or a JSON object
+ * with these as "time", "level", "session" (left out if it is about none) and "message".
+ * Limit each kind of
  * line that clients can cause as often as they like: a number at once, then some a
  * second; say how many were left out.
  *
@@ -25,6 +27,18 @@ void srv_log_set_level(enum srv_level level);
 
 /* Return the level of that name ("error", "warn", "info", "debug"), or -1. */
 int srv_log_level_by_name(const char *name);
+
+/* The form of lines from now on. */
+enum srv_log_format { SRV_LOG_TEXT = 0, SRV_LOG_JSON = 1 };
+void srv_log_set_format(enum srv_log_format format);
+
+/* Append to that file, which is made if there is none, instead of what stderr leads to;
+ * `path` stays the caller's. Returns 0, or an errno: it cannot be opened, and lines go
+ * where they went. */
+int srv_log_open(const char *path);
+/* Open it anew, as it may have been renamed: what is wrong is logged. Without a file do
+ * nothing. */
+void srv_log_reopen(void);
 
 /* Say that it writes to a file that nobody else keeps: it begins anew when it has become
  * longer than that. */

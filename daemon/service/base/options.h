@@ -12,6 +12,7 @@
 #include <sys/types.h>
 
 #include "log.h"
+#include "settings_file.h"
 
 /* The things that a user may have so much of (quota.h). */
 enum srv_quota_kind {
@@ -49,6 +50,8 @@ struct srv_allow {
 
 #define SRV_SOCKET_PATH_BYTES 108u /* sockaddr_un holds 107 and the NUL */
 
+#define SRV_PATH_BYTES 1024u
+
 struct srv_options {
     char socket_path[SRV_SOCKET_PATH_BYTES];
     _Atomic uint32_t threads_max; /* of a step */
@@ -73,6 +76,10 @@ struct srv_options {
     int ready_fd;  /* -1: none */
     int listen_fd; /* given to us (activate.c); -1: open one */
     enum srv_level log_level;
+    enum srv_log_format log_format;
+    char log_path[SRV_PATH_BYTES];    /* "": stderr */
+    char config_path[SRV_PATH_BYTES]; /* "": no configuration file */
+    struct srv_settings_file *config; /* what was read of it last; NULL: none */
 };
 
 #endif

@@ -292,6 +292,56 @@ void srv_config_restore(struct srv_service *service, struct srv_config_kept *kep
     }
 }
 
+/* Take a line of the configuration file. */
+static void reload_line(struct srv_service *service, const struct srv_settings_line *line)
+{
+    struct proto_error error = {0};
+    uint32_t index = find(line->name);
+    if (index == SETTING_COUNT) {
+        srv_log(SRV_LOG_WARN, 0, "%s:%u: %s: this holds after a restart",
+                service->options->config_path, line->number, line->name);
+    } else if (set(service, index, line->value, &error) != 0) {
+        srv_log(SRV_LOG_ERROR, 0, "%s:%u: %s; it stays as it was",
+                service->options->config_path, line->number, error.text);
+    } else {
+        srv_log(SRV_LOG_INFO, 0, "%s: %s, by the configuration file", line->name,
+                line->value);
+    }
+}
+
+/* Return whether what the file says last of that line's name was said before. */
+static bool is_known(const struct srv_settings_file *file,
+                     const struct srv_settings_line *line)
+{
+    const char *value = srv_settings_file_value(file, line->name);
+    return value != NULL && strcmp(value, line->value) == 0;
+}
+
+void srv_config_reload(struct srv_service *service)
+{
+    static struct srv_settings_file now;
+    char error[SRV_SETTINGS_ERROR_BYTES];
+    struct srv_settings_file *last = service->options->config;
+    srv_assert_loop();
+    if (!srv_settings_file_read(&now, service->options->config_path, error)) {
+        srv_log(SRV_LOG_ERROR, 0, "%s; all stays as it was", error);
+        return;
+    }
+    for (uint32_t i = 0; i < now.count; i++) {
+        if (!is_known(last, &now.lines[i])) {
+            reload_line(service, &now.lines[i]);
+        }
+    }
+    for (uint32_t i = 0; i < last->count; i++) {
+        if (srv_settings_file_value(&now, last->lines[i].name) == NULL) {
+            srv_log(SRV_LOG_WARN, 0,
+                    "%s: no longer in %s; it stays as it was until a restart",
+                    last->lines[i].name, service->options->config_path);
+        }
+    }
+    *last = now;
+}
+
 /* ---- the messages ------------------------------------------------------------------ */
 
 static int find_setting(struct srv_call *call, const char *name, uint32_t *index)

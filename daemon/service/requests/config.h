@@ -23,4 +23,9 @@ struct srv_config_kept {
  * nothing. */
 void srv_config_restore(struct srv_service *service, struct srv_config_kept *kept);
 
+/* Take what has changed in the configuration file since it was read last, each as
+ * config.set would, and log each: that it was taken, is wrong, or holds after a restart.
+ * A file that cannot be read changes nothing. */
+void srv_config_reload(struct srv_service *service);
+
 #endif

@@ -1,0 +1,168 @@
+/* http.c - answers HTTP on a Unix socket, by libmicrohttpd. */
+#include "http.h"
+
+#include "ctl.h"
+
+#ifdef HAVE_MICROHTTPD
+
+#include <errno.h>
+#include <microhttpd.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "terminal.h"
+
+#define SLICE_MS        200 /* between two looks for an interrupt */
+#define BACKLOG         16
+#define CONNECTIONS_MAX 32u
+#define IDLE_S          10u /* that a connection may be silent */
+
+struct server {
+    http_answer answer;
+    void *context;
+};
+
+/* ---- the socket -------------------------------------------------------------------- */
+
+/* Return whether somebody listens there. */
+static bool is_served(const struct sockaddr_un *address)
+{
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    bool is =
+        fd >= 0 && connect(fd, (const struct sockaddr *)address, sizeof *address) == 0;
+    if (fd >= 0) {
+        close(fd);
+    }
+    return is;
+}
+
+/* Remove a socket whose server is gone; anything else stays, and is in the way. */
+static void remove_stale(const struct sockaddr_un *address)
+{
+    struct stat found;
+    if (lstat(address->sun_path, &found) == 0 && S_ISSOCK(found.st_mode) &&
+        !is_served(address)) {
+        unlink(address->sun_path);
+    }
+}
+
+/* Returns the listening socket, or -1 with errno. */
+static int listen_at(const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    if (strlen(path) >= sizeof address.sun_path) {
+        errno = ENAMETOOLONG;
+        return -1;
+    }
+    strcpy(address.sun_path, path);
+    remove_stale(&address);
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    mode_t before = umask(0117);
+    bool is_bound =
+        fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0;
+    umask(before);
+    if (is_bound && listen(fd, BACKLOG) == 0) {
+        return fd;
+    }
+    int saved = errno;
+    if (fd >= 0) {
+        close(fd);
+    }
+    errno = saved;
+    return -1;
+}
+
+/* ---- requests ---------------------------------------------------------------------- */
+
+static enum MHD_Result reply(struct MHD_Connection *connection, unsigned status,
+                             char *text, size_t bytes)
+{
+    struct MHD_Response *response =
+        MHD_create_response_from_buffer(bytes, text, MHD_RESPMEM_MUST_FREE);
+    if (response == NULL) {
+        free(text);
+        return MHD_NO;
+    }
+    (void)MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE,
+                                  "text/plain; version=0.0.4; charset=utf-8");
+    enum MHD_Result result = MHD_queue_response(connection, status, response);
+    MHD_destroy_response(response);
+    return result;
+}
+
+static enum MHD_Result on_request(void *context, struct MHD_Connection *connection,
+                                  const char *url, const char *method,
+                                  const char *version, const char *body,
+                                  size_t *body_bytes, void **kept)
+{
+    const struct server *server = context;
+    char *text = NULL;
+    size_t bytes = 0;
+    (void)version;
+    (void)body;
+    (void)kept;
+    if (*body_bytes != 0) {
+        *body_bytes = 0; /* nobody reads it */
+        return MHD_YES;
+    }
+    FILE *to = open_memstream(&text, &bytes);
+    if (to == NULL) {
+        return MHD_NO;
+    }
+    bool is_read = strcmp(method, MHD_HTTP_METHOD_GET) == 0 ||
+                   strcmp(method, MHD_HTTP_METHOD_HEAD) == 0;
+    unsigned status = MHD_HTTP_METHOD_NOT_ALLOWED;
+    if (is_read) {
+        status = server->answer(server->context, url, to);
+    } else {
+        fputs("GET and HEAD are answered\n", to);
+    }
+    if (fclose(to) != 0) {
+        free(text);
+        return MHD_NO;
+    }
+    return reply(connection, status, text, bytes);
+}
+
+int http_serve(const char *path, http_answer answer, void *context)
+{
+    struct server server = {answer, context};
+    int fd = listen_at(path);
+    if (fd < 0) {
+        return ctl_complain("cannot listen at %s: %s", path, strerror(errno));
+    }
+    struct MHD_Daemon *daemon = MHD_start_daemon(
+        MHD_NO_FLAG, 0, NULL, NULL, on_request, &server, MHD_OPTION_LISTEN_SOCKET, fd,
+        MHD_OPTION_CONNECTION_LIMIT, CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT,
+        IDLE_S, MHD_OPTION_END);
+    if (daemon == NULL) {
+        close(fd);
+        unlink(path);
+        return ctl_complain("cannot serve HTTP at %s", path);
+    }
+    terminal_catch_interrupts();
+    enum MHD_Result result = MHD_YES;
+    while (result == MHD_YES && !terminal_was_interrupted()) {
+        result = MHD_run_wait(daemon, SLICE_MS);
+    }
+    MHD_stop_daemon(daemon); /* closes the socket */
+    unlink(path);
+    return terminal_was_interrupted() ? CTL_DONE
+                                      : ctl_complain("serving HTTP at %s failed", path);
+}
+
+#else
+
+int http_serve(const char *path, http_answer answer, void *context)
+{
+    (void)answer;
+    (void)context;
+    return ctl_complain("cannot listen at %s: pccdctl was built without libmicrohttpd",
+                        path);
+}
+
+#endif

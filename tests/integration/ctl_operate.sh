@@ -1,0 +1,183 @@
+#!/bin/bash
+# tests/integration/ctl_operate.sh - the daemon as an operator runs it: its configuration file, its
+# log, metrics over HTTP, drain (TAP).
+
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}"
+# shellcheck source=tests/support/ctl.sh
+. "$top_srcdir/tests/support/ctl.sh"
+
+frame 1 >a.obj
+frame -1 >b.obj
+
+# soon COMMAND...: whether it succeeds within ten seconds.
+soon() {
+    local i
+    for i in $(seq 100); do
+        "$@" && return 0
+        sleep 0.1
+    done
+    return 1
+}
+
+# setting NAME VALUE: whether the daemon has it so.
+setting() { ctl config get "$1" && says "^$2\$"; }
+
+# refused TEXT LINE...: whether a daemon does not start with such a file, and says TEXT.
+refused() {
+    local text=$1
+    shift
+    printf '%s\n' "$@" >bad.conf
+    timeout 20 "$PCCD_DAEMON" --socket "$work/bad" --config bad.conf >out 2>err
+    [ $? -eq 64 ] && grep -qF -- "$text" err
+}
+
+# If it failed, a file with a mistake would be half taken, or nobody would learn in which line.
+refused 'bad.conf:2: the line is not NAME = VALUE' '# one' 'threads 2' &&
+    refused 'bad.conf:1: threds: there is no such setting' 'threds = 2' &&
+    refused 'bad.conf:3: --threads: "many" is not a whole number from 1 to 1024' '' '' 'threads = many' &&
+    refused 'bad.conf:1: --log-level: "loud" is none of' 'log-level = loud' &&
+    refused 'bad.conf:1: supervise: yes or no is wanted' 'supervise = perhaps' &&
+    refused 'bad.conf:1: ready-fd: this is for the command line' 'ready-fd = 3' &&
+    refused 'bad.conf:1: the line has no value' 'threads =' &&
+    refused 'bad.conf:1: the line is too long' "socket = $(printf '%400s' x)" &&
+    rm bad.conf && timeout 20 "$PCCD_DAEMON" --config bad.conf >out 2>err
+[ $? -eq 64 ] && grep -q 'bad.conf: No such file' err
+report config_file__mistakes_are_named
+
+# Each of these daemons is in its sandbox where the machine has one.
+# If it failed, the file would not be read, or win over the command line.
+printf '%s\n' '# an operator' 'threads = 1' ' grace=77 ' 'scenes-max = 10' 'log-level = info' >it.conf
+start_daemon s --config it.conf --scenes-max 20 --log-file it.log
+export PCCD_URL="unix:$work/s"
+setting threads 1 && setting grace 77 && setting scenes-max 20 && setting log-level error
+report config_file__is_taken_before_the_command_line
+
+# If it failed, a change would need a restart, one with a mistake would be taken in part or unsaid, or
+# one that cannot hold at once would be said to.
+ctl config set log-level info && ctl config set linger 9 &&
+    printf '%s\n' 'threads = 1' 'grace=78' 'queue-max = none' 'linger = 11' 'pin = off' >it.conf &&
+    kill -HUP "$daemon" && soon grep -q 'scenes-max: no longer in it.conf' it.log && setting grace 78 &&
+    setting linger 11 && setting queue-max 32768 && setting scenes-max 20 &&
+    grep -q 'it.conf:3: queue-max: "none" is not a whole number; it stays as it was' it.log &&
+    grep -q 'it.conf:5: pin: this holds after a restart' it.log &&
+    ! grep -q 'threads: 1, by' it.log && ctl config set grace 5 && : >it.log &&
+    kill -HUP "$daemon" && sleep 0.3 && setting grace 5 && # which the file says as before
+    echo 'grace' >it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf:1: the line is not NAME' it.log &&
+    rm it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf: No such file.*all stays' it.log &&
+    setting grace 5 && ctl check a.obj b.obj
+[ $? -eq 1 ]
+report config_file__is_read_again_on_sighup
+
+# If it failed, what renames old logs would have the daemon write to a file that nobody looks at.
+mv it.log old.log && lines=$(wc -l <old.log) && kill -HUP "$daemon" && soon test -s it.log &&
+    ctl config set grace 6 && soon grep -q 'grace: 6, was 5' it.log && [ "$(wc -l <old.log)" = "$lines" ]
+report log_file__is_opened_anew_on_sighup
+kill "$daemon"
+wait "$daemon" 2>/dev/null
+
+# If it failed, a worker that comes after a crash would have neither the file's change nor the log.
+printf '%s\n' 'grace = 7' 'supervise = yes' 'threads = 1' >it.conf
+start_daemon s --config it.conf --log-file sup.log --log-level debug
+ctl version --json && worker=$(json_value pid) && [ "$worker" != "$daemon" ] &&
+    printf '%s\n' 'grace = 8' 'supervise = yes' 'threads = 1' >it.conf && mv sup.log sup.old &&
+    kill -HUP "$daemon" && soon grep -q 'grace: 8, by the configuration file' sup.log &&
+    soon grep -q 'stands by' sup.log && kill -KILL "$worker" &&
+    soon setting grace 8 && soon grep -q 'was ended by signal 9' sup.log &&
+    grep -q 'listens on' sup.log
+report config_file__outlives_a_crash_of_the_worker
+kill "$daemon"
+wait "$daemon" 2>/dev/null
+
+# If it failed, what collects logs would stumble over a line, as a client's name may hold anything.
+start_daemon s --threads 1 --log-level debug --log-format json
+"$PCCDCTL" load --scene 'a "quoted\" name' --times 2 --hz 100 a.obj b.obj >out 2>err &&
+    fails 4 'there is no setting "quo' config get 'quo"te\' &&
+    python3 - s.log >"$log" 2>&1 <<'EOF' && [ ! -s "$log" ]
+import json, sys
+lines = [json.loads(line) for line in open(sys.argv[1])]
+if len(lines) < 4:
+    print("too few lines")
+for line in lines:
+    if not set(line) <= {"time", "level", "session", "message"} or line["level"] not in ("info", "debug"):
+        print(line)
+if not any(line["message"].endswith('there is no setting "quo"te\\"') and line["session"] > 0 for line in lines):
+    print("no such message", lines)
+EOF
+if command -v python3 >/dev/null; then
+    report log_format__json_is_an_object_a_line
+else
+    tap_skip log_format__json_is_an_object_a_line "it takes python3"
+fi
+
+# ---- metrics over HTTP ---------------------------------------------------------------
+
+# get URL: what the server says, to out, and its status to status.
+get() {
+    python3 - "$work/http" "$1" "${2:-GET}" >out 2>err <<'EOF'
+import http.client, socket, sys
+connection = http.client.HTTPConnection("pccd")
+connection.sock = socket.socket(socket.AF_UNIX)
+connection.sock.connect(sys.argv[1])
+connection.request(sys.argv[3], sys.argv[2])
+answer = connection.getresponse()
+open("status", "w").write("%d %s" % (answer.status, answer.getheader("Content-Type")))
+sys.stdout.write(answer.read().decode())
+EOF
+}
+status_is() { grep -q "^$1 text/plain; version=0.0.4" status; }
+names=(metrics__are_answered_over_http metrics__of_users_are_told_apart)
+if ! command -v python3 >/dev/null; then
+    for name in "${names[@]}"; do tap_skip "$name" "it takes python3"; done
+elif fails 4 'without libmicrohttpd' metrics --listen http; then
+    for name in "${names[@]}"; do tap_skip "$name" "it takes libmicrohttpd"; done
+else
+    "$PCCDCTL" metrics --listen http 2>http.log &
+    server=$!
+    pids="$pids $server"
+    # If it failed, a monitor would see a daemon that is gone as well, or not see one that is back.
+    soon test -S http && get /metrics && status_is 200 && says '^pccd_steps_total [0-9]+$' &&
+        [ "$(tail -c 1 out | od -An -c)" = '  \n' ] && get /health && status_is 200 && says '^ok$' &&
+        get / && status_is 404 && get /metrics POST && status_is 405 && get /metrics HEAD && status_is 200 &&
+        [ ! -s out ] && fails 4 'cannot listen at http: Address already in use' metrics --listen http &&
+        kill "$daemon" && { wait "$daemon" 2>/dev/null; get /health; } && status_is 503 && says 'no answer' &&
+        get /metrics && status_is 503 && start_daemon s --threads 1 && get /health && status_is 200
+    report "${names[0]}"
+    # If it failed, an operator could not see whose work fills the machine.
+    "$PCCDCTL" load --hz 50 --seconds 60 a.obj b.obj >/dev/null 2>&1 &
+    player=$!
+    pids="$pids $player"
+    user=$(id -u)
+    has_steps() { get /metrics && says "^pccd_user_steps\{user=\"$user\"\} [1-9]"; }
+    soon has_steps && says "^pccd_user_sessions\{user=\"$user\"\} 2$" \
+        "^pccd_user_step_seconds\{user=\"$user\"\} 0\.0*[1-9]" '^# TYPE pccd_user_steps gauge$' &&
+        kill -KILL "$server" && { wait "$server" 2>/dev/null; [ -S http ]; } && # a socket of nobody
+        { "$PCCDCTL" metrics --listen http 2>http.log & server=$!; pids="$pids $server"; } &&
+        soon get /health && status_is 200 && kill "$server" && wait "$server" && [ ! -e http ]
+    report "${names[1]}"
+    kill "$player"
+    wait "$player" 2>/dev/null
+fi
+
+# ---- drain ---------------------------------------------------------------------------
+
+# If it failed, a daemon could not be replaced without ending the work of its clients, or a new one
+# would not be found, or the old one would stay for ever.
+mkfifo hold
+"$PCCDCTL" load --hz 100 --seconds 60 a.obj b.obj >/dev/null 2>&1 &
+player=$!
+pids="$pids $player"
+old=$daemon
+old_serves() { ctl list && grep -q " $player " out; }
+soon old_serves && ctl drain --wait 0.3
+[ $? -eq 1 ] && says '^/.*/s is given up; the daemon has 1 client, and ends with the last$' '^still serving' &&
+    kill -0 "$old" && start_daemon s --threads 1 && ctl version --json &&
+    [ "$(json_value pid)" = "$daemon" ] && kill -0 "$player" &&
+    kill "$player" && { wait "$player" 2>/dev/null; soon eval "! kill -0 $old 2>/dev/null"; } &&
+    ctl drain --wait 10 && says '^ended$' && ends 3 'no connection' drain
+report drain__serves_who_is_there_and_ends
+start_daemon s --threads 1 --supervise
+ctl drain --wait 10 --json && [ "$(json_value clients) $(json_value ended)" = '0 true' ] && ! kill -0 "$daemon" 2>/dev/null
+report drain__ends_a_supervisor_too
+
+tap_end
