@@ -219,8 +219,8 @@ int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *te
 static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result, struct eng_counts *counts)
 {
-    if (result->incomplete != PCCD_COMPLETE &&
-        result->incomplete != PCCD_INCOMPLETE_CONTACT_LIMIT) {
+    if (result->incomplete == PCCD_INCOMPLETE_DEADLINE ||
+        result->incomplete == PCCD_INCOMPLETE_CANCELLED) {
         struct eng_records sorted = memory->sorted;
         memory->sorted = memory->found;
         memory->found = sorted;
@@ -236,7 +236,9 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
     if (memory->sorted.count > limit) {
         memory->sorted.count = limit;
         eng_answer_cache_count(&memory->sorted, counts);
-        result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
+        if (result->incomplete == PCCD_COMPLETE) {
+            result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
+        }
     }
     return PCCD_OK;
 }

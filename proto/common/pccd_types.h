@@ -254,9 +254,8 @@ enum pccd_incomplete {
     PCCD_INCOMPLETE_DEADLINE = 2,     /* the deadline passed; these records were found */
     PCCD_INCOMPLETE_CANCELLED = 3,    /* cancelled; so were these */
     PCCD_INCOMPLETE_CONTACT_LIMIT = 4, /* more than the daemon keeps: the first of all */
-    /* Too much work for pairs of what turns, or too much memory. In modes all and
-     * first-per-pair too much work is the same, and so are the records, by any number of
-     * threads; in modes first and any it depends on how soon a contact was known. */
+    /* Too much work for pairs of what turns, or too much memory. What is too much work is
+     * the same by any number of threads, and so are the records. */
     PCCD_INCOMPLETE_UNDECIDED = 5
 };
 

@@ -312,51 +312,113 @@ CASE(turning__gives_the_same_bytes_in_every_way)
     }
 }
 
+/* Three sheets of which one turns. */
+static struct eng_step_result step_of_sheets(struct eng_mesh *const meshes[3],
+                                             const struct eng_question *question)
+{
+    uint32_t idx[3];
+    struct eng_bad_joint bad;
+    uint32_t base;
+    struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.4, 0.4, 0, 12);
+    joint.axis[0] = 0.3;
+    eng_scene_free(kit.scene);
+    kit.scene = kit_scene();
+    for (uint32_t k = 0; k < 3; k++) {
+        assert_ok(eng_scene_add(kit.scene, meshes[k], k + 1, &idx[k]));
+    }
+    eng_stage_begin(kit.scene);
+    assert_ok(eng_stage_joints(kit.scene, &joint, 1, &base, &bad));
+    assert_ok(eng_stage_turning(kit.scene, idx[0], base));
+    return kit_step(kit.scene, question);
+}
+
 /* If it failed: what is known of bodies that are too much to decide would depend on how
- * many threads there were, or on what a thread had done before. */
+ * many threads there were, on what a thread had done before, or on how soon it knew of
+ * the earliest contact: that with the sheet of two triangles, whose pair of objects is
+ * the last one for a single thread. */
 CASE(turning__ends_at_its_limits_in_every_way_alike)
 {
-    uint64_t some = 0;
-    uint32_t idx[3];
-    struct eng_mesh *meshes[3] = {kit_sheet(16, 0.1), kit_sheet(16, 0), bar(0.2)};
-    for (uint64_t tests = 1u << 9; tests <= 1u << 19; tests *= 4) {
+    uint64_t limited[PCCD_MODE_COUNT] = {0};
+    for (uint32_t n = 0; n < 2 * 5 * 4; n++) {
+        const bool divided = n % 2;
+        struct eng_mesh *meshes[3] = {kit_sheet(divided ? 16 : 12, 0.1),
+                                      kit_sheet(divided ? 16 : 10, -0.3),
+                                      kit_sheet(1, 0.15)};
         struct answer want;
         uint32_t incomplete = 0;
         for (uint32_t i = 0; i < way_count(); i++) {
             struct eng_question question = ENG_QUESTION_DEFAULT;
-            struct eng_bad_joint bad;
-            uint32_t base;
             way_choose(i, &question);
-            question.threads = i % 2 ? 1 + i % 5 : question.threads;
-            question.turning_tests = tests;
-            struct eng_scene *scene = kit_scene();
-            for (uint32_t k = 0; k < 3; k++) {
-                assert_ok(eng_scene_add(scene, meshes[k], k + 1, &idx[k]));
-            }
-            struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.4, 0.4, 0, 12);
-            joint.axis[0] = 0.3;
-            eng_stage_begin(scene);
-            assert_ok(eng_stage_joints(scene, &joint, 1, &base, &bad));
-            assert_ok(eng_stage_turning(scene, idx[0], base));
-            struct eng_step_result result = kit_step(scene, &question);
+            question.mode = modes[n / 2 % 4];
+            question.threads = i % 2 ? 1 + i % 8 : question.threads;
+            question.turning_tests = 1u << (8 + n / 8);
+            struct eng_step_result result = step_of_sheets(meshes, &question);
             if (i == 0) {
                 answer_keep(&result, &want);
                 incomplete = result.incomplete;
-                some += incomplete == PCCD_INCOMPLETE_UNDECIDED && result.count > 0;
+                limited[question.mode] += incomplete == PCCD_INCOMPLETE_UNDECIDED;
             }
             const char *difference = answer_difference(&want, &result);
             if (difference || incomplete != result.incomplete) {
-                fail_msg("%llu tests, way %u, %u threads: %s", (unsigned long long)tests,
+                fail_msg("%llu tests, mode %d, way %u, %u threads: %s",
+                         (unsigned long long)question.turning_tests, (int)question.mode,
                          i, question.threads, difference ? difference : "incomplete");
             }
-            eng_scene_free(scene);
         }
         answer_free(&want);
+        for (uint32_t k = 0; k < 3; k++) {
+            eng_mesh_release(meshes[k]);
+        }
     }
-    assert_true(some > 1);
-    for (uint32_t k = 0; k < 3; k++) {
-        eng_mesh_release(meshes[k]);
+    assert_true(limited[PCCD_MODE_ALL] > 0 && limited[PCCD_MODE_FIRST_PER_PAIR] > 0);
+    assert_true(limited[PCCD_MODE_FIRST] > 0);
+    assert_true(limited[PCCD_MODE_FIRST] < limited[PCCD_MODE_ALL]);
+}
+
+/* If it failed: an answer that leaves pairs undecided would be cut as one that is late,
+ * and which records it has would depend on who found them. */
+CASE(turning__is_not_late_at_its_limits)
+{
+    const struct eng_question question = ENG_QUESTION_DEFAULT;
+    struct eng_stop stop;
+    struct eng_worker worker = {.stop = &stop};
+    eng_stop_init(&stop, &question);
+    eng_worker_lack(&worker, PCCD_INCOMPLETE_UNDECIDED);
+    assert_false(eng_worker_is_late(&worker, 1000));
+    eng_worker_stop(&worker, PCCD_INCOMPLETE_DEADLINE);
+    assert_true(eng_worker_is_late(&worker, 1000));
+}
+
+/* If it failed: what stands would be left out of an answer that leaves pairs undecided,
+ * if a step before had told of it. */
+CASE(turning__keeps_what_stands_at_its_limits)
+{
+    const double low[3] = {0.2, 0.2, 0.01};
+    const double high[3] = {0.4, 0.4, 0.2};
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.1, 0, 0, 1.25);
+    struct answer want;
+    for (int step = 0; step < 2; step++) {
+        struct eng_question question = ENG_QUESTION_DEFAULT;
+        question.distance = 0.05;
+        kit_begin_with(bar(0), kit_box(low, high, false));
+        kit_put(kit_sheet(3, 0));
+        if (step > 0) {
+            kit_step(kit.scene, &question);
+            kit_step(kit.scene, &question);
+        }
+        question.turning_tests = 2;
+        check_staging(kit.scene, kit.idx[0], &joint);
+        struct eng_step_result result = kit_step(kit.scene, &question);
+        assert_int_equal(result.incomplete, PCCD_INCOMPLETE_UNDECIDED);
+        assert_true(result.count > 0);
+        if (step == 0) {
+            answer_keep(&result, &want);
+        } else {
+            assert_true(result.counters.kept_records > 0);
+            assert_null(answer_difference(&want, &result));
+        }
     }
+    answer_free(&want);
 }
 
 static int compare_contacts(const void *a, const void *b)

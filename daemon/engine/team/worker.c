@@ -141,7 +141,8 @@ bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns)
     if (!eng_stop_is_set(stop)) {
         look_for_reason(worker, ns);
     }
-    return atomic_load_explicit(&stop->reason, memory_order_relaxed) != PCCD_COMPLETE;
+    return eng_stop_is_set(stop) &&
+           atomic_load_explicit(&stop->reason, memory_order_relaxed) != PCCD_COMPLETE;
 }
 
 void eng_worker_ask(struct eng_worker *worker)

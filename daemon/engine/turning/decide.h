@@ -41,8 +41,9 @@ struct eng_turning_limits {
     double delta;       /* positive; how near is possible, see below */
     double tolerance;   /* 1e-12 .. 1, of the bracket of a contact that is proved */
     double t_end;       /* who begins later is not wanted */
-    /* Known: before `from` and after `to` the pair is farther apart than r + 4 delta. The
-     * answer is the same, but sooner. Zeros: nothing is known. */
+    /* Known: before `from` the pair is farther apart than r + 4 delta, and after `to`, up
+     * to a time that is later than t_end by more than the tolerance. The answer is the
+     * same, but sooner. Zeros: nothing is known. */
     double from, to;
     uint32_t looks_max; /* at spans of time, each some 0.05 to 3 microseconds */
     /* Asked every so many looks, at least every 0.2 ms; NULL: never. */

@@ -511,12 +511,12 @@ static bool is_known(const struct decider *decider, const struct found *found)
            found->free_until > decider->limits->t_end;
 }
 
-/* Return whether the caller knows that the first span is free. */
-static bool is_known_free(const struct decider *decider)
+/* Return whether the caller knows that nothing that is wanted is left. What is possible
+ * or proved needs more, also later. */
+static bool is_behind(const struct decider *decider, const struct found *found)
 {
-    const struct eng_turning_limits *limits = decider->limits;
-    return decider->ends[decider->count - 1].t <= limits->from ||
-           (limits->to > 0 && decider->begin.t >= limits->to);
+    return decider->limits->to > 0 && decider->begin.t >= decider->limits->to &&
+           !found->is_possible && found->met_by == INFINITY;
 }
 
 /* Look at the first span that is left. Return whether the answer is known. */
@@ -528,7 +528,11 @@ static bool look_at_first(struct decider *decider, struct found *found)
         decider->count = 0;
         push(decider, found->met_by);
     }
-    if (is_known_free(decider)) {
+    if (is_behind(decider, found)) {
+        found->free_until = 1;
+        return true;
+    }
+    if (decider->ends[decider->count - 1].t <= decider->limits->from) {
         pass(decider);
         found->free_until = found->is_possible ? found->free_until : decider->begin.t;
         return is_known(decider, found);
@@ -655,6 +659,14 @@ enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
         if (look_at_first(&decider, &found)) {
             break;
         }
+    }
+    if (verdict == ENG_TURNING_LIMIT && !found.is_possible) {
+        /* However far the looks came, so much was known. */
+        found.free_until =
+            eng_most(found.free_until, eng_least(limits->from, found.met_by));
+    }
+    if (verdict == ENG_TURNING_LIMIT && found.free_until > limits->t_end) {
+        verdict = ENG_TURNING_FREE;
     }
     answer->free_until = found.free_until;
     bool is_proved = found.met_by < INFINITY;

@@ -25,11 +25,14 @@
  * are spans divided for it. As the boxes of nodes have it. */
 #define LEAST 0x1p-120
 
-/* Spans of the stack: from here on none is divided, which leaves more to be decided; a
- * run ends that needs still more; so many are kept for the next two bodies. */
-#define SPANS_DIVIDED (1u << 18)
-#define SPANS_MOST    (1u << 22)
-#define SPANS_KEPT    (1u << 14)
+/* Spans of nodes are not shorter than 2^-this: there would be too many of them, where a
+ * body turns very often. This leaves more to be decided. */
+#define NODES_DEPTH_MAX 18u
+
+/* Spans of the stack: a run ends that needs more; so many are kept for the next two
+ * bodies. */
+#define SPANS_MOST (1u << 22)
+#define SPANS_KEPT (1u << 14)
 
 /* Nodes and spans that are looked at before should_stop is asked: some 20 ns each, and a
  * span whose frame has to be made. */
@@ -566,7 +569,7 @@ static void push_parts(struct eng_sweep *sweep, const struct item *a,
     if (begin_of(span) > sweep->t_end || sweep->stops) {
         return;
     }
-    if (sweep->span_count >= SPANS_DIVIDED ||
+    if (span.depth >= NODES_DEPTH_MAX ||
         !is_long(sweep, span, b, BEND_PART * size, MOTION_PART * size)) {
         push(sweep, span);
         return;

@@ -28,6 +28,7 @@ struct eng_turning {
     struct eng_worker *worker; /* of the task that is performed, or divided */
     bool has_limit;            /* some pairs of the task took too many looks */
     bool only_proves;          /* what is possible is not recorded, and has_limit then */
+    bool is_bounded;           /* what comes after the bound of mode first is left out */
 };
 
 int eng_turning_make(struct eng_turning **turning)
@@ -108,11 +109,26 @@ static double delta_of(struct eng_turning *turning, double resolution)
 
 static bool take(void *owner, const struct eng_sweep_pair *found);
 
+/* By so much more than the tolerance a contact may begin after its toi: for rounding. */
+#define BEGINS_LATER 0x1p-48
+
+/* Leave out what may come near after the bound. A record is kept for its toi, and by then
+ * its features need not have come near: they do so within the tolerance. So no record
+ * that is kept in the end depends on how soon the bound was known. */
+static void take_bound(struct eng_turning *turning)
+{
+    const struct eng_worker *worker = turning->worker;
+    turning->sweep.t_end =
+        turning->is_bounded
+            ? worker->time_bound + worker->question->tolerance + BEGINS_LATER
+            : INFINITY;
+}
+
 static bool should_stop(void *owner)
 {
     struct eng_turning *turning = owner;
     bool stops = eng_worker_should_stop(turning->worker);
-    turning->sweep.t_end = turning->worker->time_bound;
+    take_bound(turning);
     return stops;
 }
 
@@ -146,7 +162,6 @@ int eng_turning_begin(struct eng_turning *turning,
     sweep->keep = (radii + 4 * turning->delta) * (1 + 0x1p-40);
     sweep->fineness = turning->delta;
     sweep->wants_free = radii > 0;
-    sweep->t_end = 1;
     sweep->tests_most = objects->tests_most > 0 ? objects->tests_most : TESTS_MOST;
     sweep->take = take;
     sweep->should_stop = should_stop;
@@ -306,14 +321,15 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
     }
     eng_count_candidates(worker, found->kind, 1);
     worker->record.tests++;
-    /* With a bound of time the sweep has not looked at what comes later. */
-    double to = turning->sweep.t_end < 1 ? 1 : found->span[1];
+    const uint64_t looks = turning->sweep.tests_most;
     const struct eng_turning_limits limits = {.delta = turning->delta,
                                               .tolerance = worker->question->tolerance,
                                               .t_end = worker->time_bound,
                                               .from = found->span[0],
-                                              .to = to,
-                                              .looks_max = ENG_TURNING_LOOKS_MAX,
+                                              .to = found->span[1],
+                                              .looks_max = looks < ENG_TURNING_LOOKS_MAX
+                                                               ? (uint32_t)looks
+                                                               : ENG_TURNING_LOOKS_MAX,
                                               .should_stop = should_stop,
                                               .owner = turning};
     switch (eng_turning_decide(&turning->poses, &pair, &limits, &answer)) {
@@ -325,7 +341,7 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
             break;
         }
         record(turning, found, &named, &answer.hit);
-        turning->sweep.t_end = worker->time_bound;
+        take_bound(turning);
         break;
     case ENG_TURNING_LIMIT:
         turning->has_limit = true;
@@ -342,6 +358,8 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
                       uint32_t most, uint64_t *tasks, uint32_t *count)
 {
     turning->worker = worker;
+    turning->is_bounded = false; /* the tasks are the same whatever has been found */
+    take_bound(turning);
     *count = eng_sweep_split(&turning->sweep, most, tasks);
     return turning->sweep.status;
 }
@@ -359,7 +377,8 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
     struct eng_sweep *sweep = &turning->sweep;
     turning->worker = worker;
     turning->has_limit = false;
-    sweep->t_end = worker->time_bound;
+    turning->is_bounded = true;
+    take_bound(turning);
     int status = eng_sweep_run(sweep, task);
     count(turning);
     return status == PCCD_OK && turning->has_limit ? PCCD_E_LIMIT : status;
@@ -372,7 +391,8 @@ bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
     turning->worker = worker;
     turning->has_limit = false;
     turning->only_proves = true;
-    sweep->t_end = worker->time_bound;
+    turning->is_bounded = true;
+    take_bound(turning);
     const uint64_t tests_most = sweep->tests_most;
     sweep->tests_most = tests;
     int status = eng_sweep_run(sweep, ENG_TURNING_ALL);

@@ -76,10 +76,11 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
  * PCCD_E_LIMIT: some pairs took too many looks (decide.h), or the task too many tests of
  * boxes or spans, and some are not known; PCCD_E_NOMEM. What was found stays then.
  *
- * Where nothing is left out, which is so in modes all and first-per-pair, what is found
- * and whether a limit is met is a function of the two objects and of the task alone,
- * whatever the thread did before. So a step must divide a pair of objects in the same
- * way by any number of threads. */
+ * What is found and whether a limit is met is a function of the two objects, of the task
+ * and, in mode first, of the bound of time alone, whatever the thread did before. So a
+ * step must divide a pair of objects in the same way by any number of threads. A smaller
+ * bound leaves out work, and changes no record that it lets through: no limit is met with
+ * it that is not met with a larger one. */
 int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
                         uint64_t task);
 

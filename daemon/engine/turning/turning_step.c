@@ -75,6 +75,8 @@ int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_sce
     uint32_t capacity = scene->object_capacity;
     int status = PCCD_OK;
     step->scene = scene;
+    step->workers = workers;
+    step->worker_count = count;
     if (step->part_capacity < capacity) {
         status = eng_array_grow(&step->parts, capacity, sizeof *step->parts);
         if (status == PCCD_OK) {
@@ -522,6 +524,19 @@ static void try_couples(struct eng_turning_step *step, struct eng_worker *worker
     }
 }
 
+/* Perform a task of a couple that has begun. In mode first a limit may be one that is not
+ * met where the earliest time is known (repeat_limited). */
+static void perform_task(struct eng_worker *worker, struct eng_turning_couple *couple,
+                         uint64_t task)
+{
+    int status = eng_turning_perform(worker->turning, worker, task);
+    if (status == PCCD_E_LIMIT && worker->question->mode == PCCD_MODE_FIRST) {
+        atomic_store_explicit(&couple->is_limited, true, memory_order_relaxed);
+    } else if (status != PCCD_OK) {
+        fail(worker, status);
+    }
+}
+
 /* Do what no thread has taken yet, couple by couple. */
 static void perform_tasks(struct eng_turning_step *step, struct eng_worker *worker)
 {
@@ -533,7 +548,7 @@ static void perform_tasks(struct eng_turning_step *step, struct eng_worker *work
          i < parts + (step->couple_count - divided) && !eng_worker_should_stop(worker);
          i = take(&step->next_task)) {
         uint32_t number = i < parts ? i / ENG_TURNING_TASKS : divided + (i - parts);
-        const struct eng_turning_couple *couple = &step->couples[number];
+        struct eng_turning_couple *couple = &step->couples[number];
         if ((i < parts && i % ENG_TURNING_TASKS >= couple->task_count) ||
             atomic_load_explicit(&couple->is_known, memory_order_relaxed)) {
             continue;
@@ -544,16 +559,85 @@ static void perform_tasks(struct eng_turning_step *step, struct eng_worker *work
             begun = number;
         }
         if (status == PCCD_OK) {
-            uint64_t task = i < parts ? step->tasks[i] : ENG_TURNING_ALL;
-            int performed = eng_turning_perform(worker->turning, worker, task);
-            if (performed != PCCD_OK) {
-                fail(worker, performed);
-            }
+            perform_task(worker, couple, i < parts ? step->tasks[i] : ENG_TURNING_ALL);
         } else {
             fail(worker, status);
         }
         worker->record.task_units++;
         eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, couple->a, couple->b);
+    }
+}
+
+/* Mode first: leave out of the answer what is known of a couple, which begins anew. */
+static void forget(struct eng_turning_step *step, const struct eng_turning_couple *couple)
+{
+    const uint64_t a = step->scene->objects[couple->a].id;
+    const uint64_t b = step->scene->objects[couple->b].id;
+    for (uint32_t i = 0; i < step->worker_count; i++) {
+        struct eng_block *block = step->workers[i]->found.first;
+        for (; block; block = block->next) {
+            struct pccd_contact *contacts = (void *)block->data;
+            for (uint32_t k = 0; k < block->count; k++) {
+                struct pccd_contact *one = &contacts[k];
+                if ((one->object_a == a && one->object_b == b) ||
+                    (one->object_a == b && one->object_b == a)) {
+                    one->toi = INFINITY; /* later than any bound */
+                }
+            }
+        }
+    }
+}
+
+/* Do a couple again that met a limit. */
+static void repeat(struct eng_turning_step *step, struct eng_worker *worker,
+                   struct eng_turning_couple *couple)
+{
+    const uint64_t number = (uint64_t)(couple - step->couples);
+    const bool is_divided = number < step->divided_count;
+    const uint64_t whole = ENG_TURNING_ALL;
+    const uint64_t *tasks =
+        is_divided ? step->tasks + number * ENG_TURNING_TASKS : &whole;
+    const uint32_t count = is_divided ? couple->task_count : 1;
+    atomic_store_explicit(&couple->is_limited, false, memory_order_relaxed);
+    forget(step, couple);
+    if (begin_couple(step, worker, couple) == PCCD_OK) { /* as it was before */
+        for (uint32_t i = 0; i < count && !eng_worker_should_stop(worker); i++) {
+            perform_task(worker, couple, tasks[i]);
+        }
+    }
+}
+
+/* Mode first: do couples that met a limit again with the bound that all threads have
+ * found, until those that still meet one have begun with the last bound. Then neither the
+ * answer nor whether it is complete depends on what threads knew when:
+ *
+ * A task with a smaller bound does a part of what it does with a larger one, in the same
+ * order. So it meets no limit that the other one does not, and finds all of that one's
+ * contacts that the smaller bound wants, also where both meet a limit. Let two runs of a
+ * step end with bounds s < l. Where the bound of the first one fell below l, a task found
+ * a contact with a bound of l or more. With the bound l it finds that contact, too. In
+ * the second run it was done last with l, or it met no limit with a larger bound: so this
+ * run found the contact, and did not end with l. As the bounds are the same, so are the
+ * last tasks of each couple. */
+static void repeat_limited(struct eng_turning_step *step, struct eng_worker *worker)
+{
+    double bound = INFINITY;
+    bool is_limited = true;
+    while (is_limited && bound > eng_stop_time_bound(worker->stop) &&
+           !eng_worker_should_stop(worker)) {
+        bound = eng_stop_time_bound(worker->stop);
+        is_limited = false;
+        for (uint32_t i = 0; i < step->couple_count; i++) {
+            struct eng_turning_couple *couple = &step->couples[i];
+            if (atomic_load_explicit(&couple->is_limited, memory_order_relaxed)) {
+                repeat(step, worker, couple);
+                is_limited |=
+                    atomic_load_explicit(&couple->is_limited, memory_order_relaxed);
+            }
+        }
+    }
+    if (is_limited) {
+        fail(worker, PCCD_E_LIMIT);
     }
 }
 
@@ -593,6 +677,14 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
         }
     }
     perform_tasks(step, worker);
+    if (worker->question->mode == PCCD_MODE_FIRST) {
+        if (!step->is_alone) {
+            eng_wait_for_all(worker);
+        }
+        if (worker->thread == 0) {
+            repeat_limited(step, worker);
+        }
+    }
     worker->record.low_ns +=
         common_now_ns() - begin_ns - (worker->record.wait_ns - waited_ns);
 }

@@ -36,7 +36,8 @@ struct eng_turning_couple {
     uint32_t a; /* indices of objects */
     uint32_t b;
     uint32_t task_count;
-    atomic_bool is_known; /* nothing is left to be tested */
+    atomic_bool is_known;   /* nothing is left to be tested */
+    atomic_bool is_limited; /* mode first: a task of it met a limit */
 };
 
 /* Knowledge of the rest of a step, when turning objects have their turn. */
@@ -44,6 +45,8 @@ enum eng_turning_rest { ENG_REST_IS_FREE, ENG_REST_IS_OPEN, ENG_REST_MEETS };
 
 struct eng_turning_step {
     const struct eng_scene *scene;
+    struct eng_worker *const *workers; /* [worker_count] those of the step */
+    uint32_t worker_count;
     double separation;
     double resolution;
     uint64_t tests_most;
