@@ -559,6 +559,7 @@ class Objects(InBrowser):
         self.assertEqual(len(self.value("picked")), number(self.text("total")))
         self.assertGreater(number(self.text("total")), 0)
         self.assertNotIn("t = ", self.text("detail-facts") + self.text("sentence"))
+        self.assertNotIn("safe step", self.facts("facts"))
         self.browser.click("#go-first")
         self.assertNotIn("time", self.facts("detail-facts"))
         self.assertEqual(self.browser.said(), [])

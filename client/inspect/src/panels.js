@@ -71,8 +71,9 @@ function thickFacts({ answer, separation, approach }) {
 
 /** What is worth a line of a step's answer, beside its sentence. */
 function stepFacts({ answer, turns }) {
+  const isTimed = !["pairs", "any"].includes(answer.mode);
   return [
-    fact("safe step", digits(answer.safe_step), "up to this t nothing meets"),
+    ...(isTimed ? [fact("safe step", digits(answer.safe_step), "up to this t nothing meets")] : []),
     ...(turns ? [fact("bodies on joints", "drawn right at t = 0 and 1", "between them they turn, but this page draws them, their contacts and boxes on straight ways; pccdctl render --time has their arcs")] : []),
     ...(answer.initial > 0 ? [fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance")] : []),
     ...(answer.possible > 0 ? [fact("possible", count(answer.possible), "not proved")] : []),
