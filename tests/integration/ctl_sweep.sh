@@ -331,6 +331,14 @@ ctl sweep --joint a=-1:0 --joint b=-1:0.3 two.urdf && says 'a -1 to 0 rad.*, b .
     says 'undecided +[0-9.e-]* of the range$'
 report "two joints at once are free, jam, or stay undecided where motions end"
 
+# Otherwise the least distance would be that of some values alone. It is where a = 0, b = 0.3: the
+# corner at 1.55, 1.15 is 1.15 cos b - 0.55 sin b - 0.025 from the upper face.
+ctl sweep --least 0.01 --joint a=-1:0 --joint b=-1:0.3 --json two.urdf &&
+    awk '/least_distance/ { getline a; getline b; ok = a + 0 <= 0.9111008488307 &&
+        b + 0 >= 0.9111008488307 && b - a < 0.03 } END { exit !ok }' out &&
+    ctl sweep --least 0.01 --motions 1 --joint a=-1:-0.5 --joint b=-1:-0.9 two.urdf
+report "the least distance of two joints at once is found"
+
 # Otherwise a planner's edge would be called free that is not, or another one would be asked.
 edge() { echo "$1" >e.jsonl; }
 edge '{"from": [0], "to": [0.5]}

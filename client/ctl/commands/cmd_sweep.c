@@ -146,8 +146,10 @@ static const struct option_row rows[] = {
      "Find a jam to within D, in radians or the file's unit (default: 1e-6)", OPTION_REAL,
      .at = AT(bracket), .min = 1e-15, .max = 1},
     {"least", 0, "PART",
-     "Find the least distance while one joint moves freely, to PART of the size; 0: do "
-     "not (default: 0.001; 0 where two parts have a clearance of their own)",
+     "Find the least distance while joints move freely, to PART of the size, or as far "
+     "as "
+     "--motions at each distance that is tried allow; 0: do not (default: 0.001; 0 of "
+     "several joints, and where two parts have a clearance of their own)",
      OPTION_REAL, .at = AT(least), .max = 1},
     {"motions", 0, "N",
      "Of several joints at once: decide by N motions, or a few more (default: 4096)",
@@ -558,7 +560,7 @@ static double least_of(const struct command *command, const struct robot *robot)
     if (command->least >= 0) {
         return command->least;
     }
-    return robot_has_clearances(robot) ? 0 : 1e-3;
+    return robot_has_clearances(robot) || command->joints.count > 1 ? 0 : 1e-3;
 }
 
 static int run_sweep(const struct command *command)

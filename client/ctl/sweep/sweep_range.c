@@ -248,28 +248,51 @@ static int search_all(struct course *course, struct sweep_answer *answer)
 
 /* ---- the least distance ------------------------------------------------------------ */
 
-/* Find the least distance of a motion that is free: by motions with a distance between
- * one that is free and one that meets. */
-static int find_least(struct course *course, struct sweep_answer *answer)
+/* Tell whether anything comes within a distance in the range, and where. Of several
+ * joints: *is_known is false if motions ended before that was known. */
+static int try_distance(struct course *course, double distance, struct sweep_jam *jam,
+                        bool *meets, bool *is_known)
 {
     const struct sweep_box *whole = (const struct sweep_box *)course->range->ends;
-    double a = whole->ends[0][0], b = whole->ends[0][1];
+    const double kept = course->sweep->separation;
+    struct sweep_answer within = {.least = {0, INFINITY}};
+    struct sweep_hit hit;
+    int status;
+    *is_known = true;
+    if (course->range->count == 1) {
+        double a = whole->ends[0][0], b = whole->ends[0][1];
+        status = ask(course, a, b, whole, distance, &hit);
+        *meets = hit.is_there;
+        if (status == PCCD_OK && *meets) {
+            set_jam(course, a, b, whole, &hit, jam);
+        }
+        return status;
+    }
+    course->sweep->separation = distance;
+    status = search_all(course, &within);
+    course->sweep->separation = kept;
+    *meets = within.jam_count > 0;
+    *is_known = *meets || within.gap_count == 0;
+    *jam = *meets ? within.jams[0] : *jam;
+    sweep_answer_deinit(&within);
+    return status;
+}
+
+/* Find the least distance of a range that is free: by distances between one that is free
+ * and one that meets. */
+static int find_least(struct course *course, struct sweep_answer *answer)
+{
     double *least = answer->least, size = course->size;
     double gap = course->sweep->least * size, next = fmax(course->sweep->separation, gap);
     int status = PCCD_OK;
     least[0] = course->sweep->separation;
     while (status == PCCD_OK && least[1] - least[0] > gap && next < 4 * size) {
-        struct sweep_hit hit;
-        status = ask(course, a, b, whole, next, &hit);
-        if (status != PCCD_OK) {
+        bool meets, is_known;
+        status = try_distance(course, next, &answer->nearest, &meets, &is_known);
+        if (status != PCCD_OK || !is_known) {
             break;
         }
-        if (!hit.is_there) {
-            least[0] = next;
-        } else {
-            least[1] = next;
-            set_jam(course, a, b, whole, &hit, &answer->nearest);
-        }
+        least[meets ? 1 : 0] = next;
         next = isinf(least[1]) ? 4 * next : least[0] + (least[1] - least[0]) / 2;
     }
     return status;
@@ -304,8 +327,7 @@ int sweep_try(struct sweep *sweep, const struct sweep_range *range, const double
     answer->verdict = answer->jam_count > 0   ? SWEEP_JAMS
                       : answer->gap_count > 0 ? SWEEP_UNDECIDED
                                               : SWEEP_FREE;
-    if (status == PCCD_OK && answer->verdict == SWEEP_FREE && sweep->least > 0 &&
-        range->count == 1) {
+    if (status == PCCD_OK && answer->verdict == SWEEP_FREE && sweep->least > 0) {
         status = find_least(&course, answer);
     }
     free(course.from);
