@@ -42,7 +42,7 @@ if [ -n "$python" ]; then
         says index '^vf,3,0,1,2,0[.]\(5\|49\)' &&
             says game '^[1-9][0-9]* hits on the ground, [1-9][0-9]* of two rocks$' &&
             says robot '^edge *line 1: jams' && says robot '^edge *line 2: free$' &&
-            says cloth '^100 frames, 0 edges pass through a face$' &&
+            says cloth '^100 frames, nothing intersects$' &&
             says edge '^free: the whole turn$' && says edge '^free to 84[.]5766 degrees$' &&
             says jam ' jams *at 1[.]46202[0-9]* to 1[.]46202' && says jam ' hinge 0 to 1[.]39[0-9]* rad .*: free' &&
             awk '/ bake_.* [1-9][0-9]* \(/ { print $2; exit }' "$work/bake/log" | grep -x 'bake_007.obj:' &&

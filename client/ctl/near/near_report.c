@@ -76,6 +76,13 @@ static void print_found(FILE *to, const struct near_run *near)
     if (what != PCCD_NEAR_NEAREST) {
         fprintf(to, "crossings  %" PRIu64 "\n", answer->crossings);
     }
+    if (near->has_touching) {
+        const struct pccd_answer *touching = &near->touching.answer;
+        fprintf(to, "touching   %" PRIu64 " %s at distance 0%s", touching->total,
+                proto_plural(touching->total, "pair", "pairs"),
+                near->touching.is_complete ? "" : ", INCOMPLETE");
+        print_kinds(to, touching);
+    }
     if (what == PCCD_NEAR_DEPTH) {
         fprintf(to, "depth      %.9g\n", answer->distance_max);
     } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
@@ -111,6 +118,19 @@ static json_t *real_or_null(double value, bool is_there)
     return is_there ? json_real(value) : json_null();
 }
 
+/* Return how many pairs at distance 0 there are of each kind; null: not asked. */
+static json_t *touching_json(const struct near_run *near, bool *ok)
+{
+    if (!near->has_touching) {
+        return json_null();
+    }
+    json_t *object = json_object();
+    json_set_count(object, "total", near->touching.answer.total, ok);
+    report_kinds(object, near->touching.answer.counts, ok);
+    json_set(object, "complete", json_boolean(near->touching.is_complete), ok);
+    return object;
+}
+
 bool near_report_json(FILE *to, const struct near_run *near)
 {
     const struct pccd_near_settings *settings = &near->settings;
@@ -139,6 +159,7 @@ bool near_report_json(FILE *to, const struct near_run *near)
                  ? json_null()
                  : json_integer((json_int_t)answer->crossings),
              &ok);
+    json_set(all, "touching", touching_json(near, &ok), &ok);
     json_set(all, "verdict", json_string(verdict_name(answer)), &ok);
     report_json_rest(all, near->run.told.build_ms, &near->step, &ok);
     return output_json(all, ok, to);

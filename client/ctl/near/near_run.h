@@ -41,7 +41,17 @@ struct near_run {
     struct pccd_near_settings settings; /* the caller's */
     struct scene scene;                 /* ours; first_alone */
     struct report_step step;            /* the answer; no names of files */
+    bool has_touching;           /* asked for crossings, and something intersects .. */
+    struct report_step touching; /* .. the pairs at distance 0 then */
 };
+
+/* Return whether a question about crossings has to be followed by one about what touches,
+ * and set *settings to it: what intersects has a record in one of them. All that is no
+ * edge through a face (edges that cut edges, corners that touch, faces that overlap) is a
+ * pair at distance 0 (pccd_near.h). Objects then have no thickness, which does not enter
+ * into crossings either. */
+bool near_asks_touching(const struct near_run *near, struct pccd_near_settings *settings);
+extern const struct pccd_object_settings near_without_thickness;
 
 /* Ask. The pages of the last answer go to `page`, unless that is NULL. */
 int near_run_ask(struct near_run *near,

@@ -198,6 +198,35 @@ static int ask(struct asking *asking, struct ctl_error *error)
     return status == PCCD_OK ? PCCD_OK : fail(asking, status, error);
 }
 
+/* Ask for what touches as pccdctl near does (near_run.h). */
+static int ask_touching(struct asking *asking, struct ctl_error *error)
+{
+    struct near_run *near = &asking->near;
+    const struct pccd_near_settings asked = near->settings;
+    const struct report_step step = near->step;
+    const uint32_t repeats = near->run.repeats;
+    struct pccd_near_settings touching;
+    if (!near_asks_touching(near, &touching)) {
+        return PCCD_OK;
+    }
+    for (uint32_t i = 0; i < near->scene.object_count; i++) {
+        int status = pccd_mpi_object_set(asking->world, near->scene.objects[i].handle,
+                                         &near_without_thickness);
+        if (status != PCCD_OK) {
+            return fail(asking, status, error);
+        }
+    }
+    near->settings = touching;
+    near->run.repeats = 0;
+    int status = ask(asking, error);
+    near->touching = near->step;
+    near->has_touching = true;
+    near->step = step;
+    near->run.repeats = repeats;
+    near->settings = asked;
+    return status;
+}
+
 static int ask_all(struct asking *asking, const struct mpi_near_options *options,
                    struct ctl_error *error)
 {
@@ -217,7 +246,8 @@ static int ask_all(struct asking *asking, const struct mpi_near_options *options
         status =
             together_agree(together_is_root() ? open_csv(asking, error) : PCCD_OK, error);
     }
-    return status == PCCD_OK ? ask(asking, error) : status;
+    status = status == PCCD_OK ? ask(asking, error) : status;
+    return status == PCCD_OK ? ask_touching(asking, error) : status;
 }
 
 static int run_near(const struct mpi_near_options *options)
