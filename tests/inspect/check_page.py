@@ -237,7 +237,6 @@ class Opened(InBrowser):
         before = self.browser.run("return pccd.view.picture()")
         self.browser.click("#contact-rows .row:nth-child(3)")
         self.browser.frames(60)
-        self.assertGreater(self.browser.run(IN_SIGHT), 0.5)
         chosen = self.value("chosen")
         self.assertEqual(chosen, self.value("picked")[2])
         toi = self.browser.run("""
@@ -246,6 +245,15 @@ class Opened(InBrowser):
         self.assertEqual(self.value("t"), toi)
         self.assertIn("face", self.facts("detail-facts")["second"])
         self.assertNotEqual(self.browser.run("return pccd.view.picture()"), before)
+
+    # If it failed, one would see a small contact, and not where in the scene it is.
+    def test_contact__is_seen_with_the_scene_until_one_goes_closer(self):
+        fly = """const {index, t} = pccd.state.values;
+            pccd.view.flyToContact(pccd.data.step(index), 0, t, 1e-5, arguments[0]);"""
+        self.browser.run(fly, True)
+        self.browser.wait(f"{IN_SIGHT} < 0.1")
+        self.browser.run(fly, False)
+        self.browser.wait(f"{IN_SIGHT} > 0.5")
 
     # If it failed, a level of a hierarchy would not be seen, or not be around the scene.
     def test_boxes__of_a_level_appear_around_the_scene(self):
