@@ -63,7 +63,7 @@ libctl_la_SOURCES = \
     client/ctl/inspect/inspect_pack.c \
     client/ctl/inspect/page_file.c \
     client/ctl/commands/check_lines.c \
-    client/ctl/judge/crossings.c client/ctl/judge/judge.c \
+    client/ctl/judge/crossings.c client/ctl/judge/follow.c client/ctl/judge/judge.c \
     client/ctl/mcp/fields.c client/ctl/mcp/job.c client/ctl/mcp/kept.c \
     client/ctl/mcp/look.c client/ctl/mcp/message.c client/ctl/mcp/tools.c \
     client/ctl/mesh/meshframes.c \

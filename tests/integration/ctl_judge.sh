@@ -48,6 +48,24 @@ check 1 --results r.jsonl seq%d.obj && steps r.jsonl | diff - expected >>"$log" 
     [ "$(grep -c '"fails":true' r.jsonl)" -eq 5 ]
 report judge__tells_what_stands_and_what_is_new
 
+# If it failed, what crosses would depend on who finds it: of mode all the records tell where an
+# edge may have come through a face, of mode first all faces are compared. Faces and rods that share
+# corners, points that lie on others, and enough that nearly every step has all of it.
+mkdir soup && awk 'BEGIN {
+    srand(5)
+    for (frame = 0; frame < 10; frame++) {
+        file = "soup/s" frame ".obj"
+        for (v = 0; v < 90; v++) {
+            for (k = 0; k < 3; k++) x[v, k] = frame > 0 && rand() < 0.7 ? x[v, k] : int(rand() * (v < 60 ? 1e6 : 5)) / (v < 60 ? 2e5 : 1)
+            print "v " x[v, 0] " " x[v, 1] " " x[v, 2] >file
+        }
+        for (f = 0; f < 30; f++) print "f " 1 + 3 * f " " 2 + 3 * f " " (f % 3 ? 3 + 3 * f : 1 + (3 * f + 7) % 90) >file
+        for (e = 0; e < 15; e++) print "l " 1 + 6 * e " " 1 + (6 * e + 40) % 90 >file
+    }
+}' </dev/null && check 1 --weld off --results all.jsonl soup/s%d.obj && check 1 --weld off --mode first --results first.jsonl soup/s%d.obj &&
+    [ "$(steps all.jsonl | awk '$3 > 20 && $5 > 5 && $6 > 5' | wc -l)" -gt 6 ] && diff <(steps all.jsonl) <(steps first.jsonl) >>"$log"
+report judge__finds_what_crosses_without_asking
+
 # If it failed, a verdict would say more, or less, than the steps.
 check 0 seq0.obj seq0.obj --no-self && says '^verdict +free: nothing meets, at frames or between them$' &&
     check 1 seq0.obj seq0.obj seq0.obj && says '^verdict +crossed, and nothing else meets; standing 2 crossings, in the last frame 2; no new crossings$' &&

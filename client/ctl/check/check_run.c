@@ -198,8 +198,13 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     const struct check_run *run = motion->run;
     uint32_t count = scene_motions(motion->files, motion->number,
                                    is_again || run->is_apart, motion->motions);
-    return pccd_step(run->client, run->scene, motion->motions, count, &run->settings,
-                     answer);
+    uint64_t step = 0;
+    int status = pccd_submit(run->client, run->scene, motion->motions, count,
+                             &run->settings, &step);
+    if (status == PCCD_OK && !is_again && run->meanwhile != NULL) {
+        run->meanwhile(run->owner);
+    }
+    return status == PCCD_OK ? pccd_wait(run->client, step, -1, answer) : status;
 }
 
 /* In the order of the answer, where several are the earliest. */
@@ -260,6 +265,9 @@ static void show_page(void *context, const struct pccd_answer *page)
         contacts_csv_page(motion->csv, motion->number, page);
     }
     find_first(page, motion->first);
+    if (motion->run->note != NULL) {
+        motion->run->note(motion->run->owner, page);
+    }
     *motion->is_counted =
         *motion->is_counted && (objects == NULL || objects_count(objects, page));
 }

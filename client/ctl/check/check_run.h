@@ -93,6 +93,11 @@ struct check_run {
     struct report_scene told;
     struct progress *progress; /* the caller's, of all runs of all steps; or NULL */
     struct objects *objects;   /* the caller's, or NULL: of each step, which ones meet */
+    /* Called once in each step while the daemon computes; and with each page of it that
+     * is shown. Or NULL. */
+    void (*meanwhile)(void *owner);
+    void (*note)(void *owner, const struct pccd_answer *page);
+    void *owner;
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 

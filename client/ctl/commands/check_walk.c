@@ -27,6 +27,10 @@ struct walk {
     struct objects objects;
     struct contacts_csv csv;
     struct crossings at_first, before, now; /* frames: the first; the ends of the step */
+    struct follow follow;
+    uint32_t ahead; /* a frame that was read while a step was computed; 0: none was */
+    int ahead_status;
+    struct ctl_error ahead_error;
     struct judge judge;
     struct check_lines lines;
     json_t *head;              /* of the lines; NULL: there are none */
@@ -173,21 +177,28 @@ static void set_begin(const struct walk *walk, struct pccd_answer *answer)
     }
 }
 
-/* Find what crosses where the step ends: nothing, where nothing did and nothing meets. */
+/* Return whether all that meets in the step is known: what crosses at its end is beside
+ * that, or crossed at its begin. What slides may go on to cross, and was left out. */
+static bool can_follow(const struct walk *walk, const struct report_step *step)
+{
+    return !walk->judge.leaves_out && step->is_complete && walk->before.is_complete &&
+           (!report_meets(step) ||
+            (walk->run.settings.mode == PCCD_MODE_ALL && walk->follow.is_whole));
+}
+
+/* Find what crosses where the step ends. */
 static int look_at_end(struct walk *walk, struct judged *judged, struct ctl_error *error)
 {
     static const struct crossings none;
     struct report_step *step = &judged->report;
     struct crossings spare = walk->before;
-    int status = PCCD_OK;
+    int status;
     walk->before = walk->now;
     walk->now = spare;
     set_begin(walk, &step->answer);
-    /* What slides may go on to cross, and was left out. */
-    if (!walk->judge.leaves_out && !report_meets(step) && step->is_complete &&
-        walk->before.is_complete) {
-        walk->now.count = 0;
-        walk->now.is_complete = true;
+    if (can_follow(walk, step)) {
+        status = follow_crossings(&walk->follow, &walk->run, judged->number,
+                                  &walk->before, &walk->now, error);
     } else {
         status = crossings_ask(&walk->now, &walk->run, NULL, 0, error);
         step->ms[REPORT_step] += walk->now.ms;
@@ -211,6 +222,8 @@ static int make_step(struct walk *walk, uint32_t number, struct judged *judged,
     *judged = (struct judged){.number = number};
     step->from = scene_frame_name(&walk->scene, number - 1);
     step->to = scene_frame_name(&walk->scene, number);
+    walk->follow.count = 0;
+    walk->follow.is_whole = true;
     int status =
         check_run_step(&walk->run, &walk->scene, number, &walk->csv, step, error);
     if (status != PCCD_OK) {
@@ -224,13 +237,56 @@ static int make_step(struct walk *walk, uint32_t number, struct judged *judged,
     return walk->is_judged ? look_at_end(walk, judged, error) : PCCD_OK;
 }
 
+/* Return whether a file is a pipe, which may have nothing yet: what is known by then is
+ * told first. */
+static bool has_pipe(const struct scene *scene)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct ctl_sequence *files = &scene->objects[i].files.sequence;
+        for (uint32_t k = 0; k < files->count && !has; k++) {
+            has = ctl_mesh_is_pipe(files->paths[k]);
+        }
+    }
+    return has;
+}
+
+/* Read the frame after the next one. */
+static void read_ahead(void *context)
+{
+    struct walk *walk = context;
+    if (walk->at + 2 <= walk->end) {
+        walk->ahead = walk->at + 2;
+        walk->ahead_status = scene_read(&walk->scene, walk->ahead, &walk->ahead_error);
+    }
+}
+
+static void note_page(void *context, const struct pccd_answer *page)
+{
+    struct walk *walk = context;
+    if (walk->is_judged && walk->run.settings.mode == PCCD_MODE_ALL) {
+        follow_note(&walk->follow, page);
+    }
+}
+
+static int read_frame(struct walk *walk, uint32_t number, struct ctl_error *error)
+{
+    if (walk->ahead != number) {
+        return scene_read(&walk->scene, number, error);
+    }
+    if (walk->ahead_status != PCCD_OK) {
+        *error = walk->ahead_error;
+    }
+    return walk->ahead_status;
+}
+
 static int walk_steps(struct walk *walk, struct ctl_error *error)
 {
     int status = PCCD_OK;
     for (uint32_t i = walk->at + 1; i <= walk->end && status == PCCD_OK; i++) {
         struct judged judged = {.number = i};
         if (i > 1) {
-            status = scene_read(&walk->scene, i, error);
+            status = read_frame(walk, i, error);
         }
         if (status == PCCD_OK) {
             status = make_step(walk, i, &judged, error);
@@ -427,8 +483,12 @@ static int walk_alone(struct walk *walk, struct ctl_error *error)
         return status;
     }
     if (walk->is_judged) {
-        status = look_at_first(walk, error);
+        status = follow_begin(&walk->follow, &walk->scene, error);
+        status = status == PCCD_OK ? look_at_first(walk, error) : status;
     }
+    walk->run.meanwhile = has_pipe(&walk->scene) ? NULL : read_ahead;
+    walk->run.note = note_page;
+    walk->run.owner = walk;
     progress_begin(&walk->progress, "runs",
                    walk->command->results.is_job
                        ? 0
@@ -498,6 +558,7 @@ static void walk_deinit(struct walk *walk)
     crossings_deinit(&walk->at_first);
     crossings_deinit(&walk->before);
     crossings_deinit(&walk->now);
+    follow_deinit(&walk->follow);
     check_run_deinit(&walk->run);
     pccd_close(walk->run.client);
     failing_deinit(&walk->failing);

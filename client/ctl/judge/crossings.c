@@ -62,6 +62,20 @@ static int compare(const void *a, const void *b)
                                        : 0;
 }
 
+void crossings_sort(struct crossings *crossings)
+{
+    size_t kept = 0;
+    if (crossings->count > 0) {
+        qsort(crossings->of, crossings->count, sizeof *crossings->of, compare);
+    }
+    for (size_t i = 0; i < crossings->count; i++) {
+        if (kept == 0 || compare(&crossings->of[kept - 1], &crossings->of[i]) != 0) {
+            crossings->of[kept++] = crossings->of[i];
+        }
+    }
+    crossings->count = kept;
+}
+
 int crossings_ask(struct crossings *crossings, const struct check_run *run,
                   const struct pccd_motion *motions, uint32_t motion_count,
                   struct ctl_error *error)
@@ -80,9 +94,7 @@ int crossings_ask(struct crossings *crossings, const struct check_run *run,
     if (status == PCCD_OK && !asking.has_memory) {
         status = ctl_error_set(error, PCCD_E_NOMEM, "no memory for what crosses");
     }
-    if (crossings->count > 0) {
-        qsort(crossings->of, crossings->count, sizeof *crossings->of, compare);
-    }
+    crossings_sort(crossings);
     crossings->is_complete = status == PCCD_OK && step.is_complete;
     crossings->ms = step.ms[REPORT_step];
     return status;

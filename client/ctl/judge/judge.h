@@ -47,7 +47,34 @@ int crossings_copy(struct crossings *to, const struct crossings *from,
 /* Count those of `a` that are in neither of two others. */
 uint64_t crossings_beyond(const struct crossings *a, const struct crossings *b,
                           const struct crossings *c);
+/* Sort them, and have each once. */
+void crossings_sort(struct crossings *crossings);
 void crossings_deinit(struct crossings *crossings);
+
+/* ---- What crosses where a step ends, without asking (follow.c). */
+
+struct follow_mesh;
+
+/* {0}; follow_deinit's to give back, also on error. */
+struct follow {
+    struct scene *scene;        /* the caller's */
+    struct follow_mesh *meshes; /* ours: [scene->object_count] */
+    struct pccd_pair *pairs;    /* ours: [count], contacts of the step */
+    size_t count, room;
+    bool is_whole; /* these are all; not, where there are very many */
+};
+
+/* Get ready for the steps of a scene. Errors: E_NOMEM. */
+int follow_begin(struct follow *follow, struct scene *scene, struct ctl_error *error);
+/* Note contacts of a step, a page of mode all; count is 0 and is_whole true before it. */
+void follow_note(struct follow *follow, const struct pccd_answer *page);
+/* Find what crosses in frame `number`, where the step ends whose contacts, all of them,
+ * were noted, and which began with what `before` has. The frame is read. Errors: E_NOMEM,
+ * those of pccd_mesh_edges. */
+int follow_crossings(struct follow *follow, const struct check_run *run, uint32_t number,
+                     const struct crossings *before, struct crossings *to,
+                     struct ctl_error *error);
+void follow_deinit(struct follow *follow);
 
 /* ---- A step, and what is said of it. */
 

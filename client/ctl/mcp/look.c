@@ -258,9 +258,9 @@ static json_t *feature_of(const struct scene *scene, uint32_t step, const char *
         double x[3];
         *ok = vertex >= 0 && vertex < (json_int_t)object->files.mesh.vertex_count;
         if (*ok) {
-            get_vertex(&object->at[moves ? (step - 1) % 2 : 0], (uint32_t)vertex, x);
+            get_vertex(scene_at(object, moves ? step - 1 : 0), (uint32_t)vertex, x);
             json_append(start, point_of(x), ok);
-            get_vertex(&object->at[moves ? step % 2 : 0], (uint32_t)vertex, x);
+            get_vertex(scene_at(object, moves ? step : 0), (uint32_t)vertex, x);
             json_append(stop, point_of(x), ok);
         }
     }

@@ -373,15 +373,20 @@ int scene_read(struct scene *scene, uint32_t index, struct ctl_error *error)
     int status = PCCD_OK;
     for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
         struct scene_object *object = &scene->objects[i];
-        struct ctl_mesh *frame = &object->at[index % 2];
-        struct ctl_mesh *before = &object->at[(index + 1) % 2];
+        struct ctl_mesh *frame = &object->at[index % SCENE_FRAMES];
         if (object->files.count == 1 && index > 0) {
             continue;
         }
         status = scene_read_object(scene, object, index, frame, error);
-        if (status == PCCD_OK && before->x != NULL && before->format != frame->format) {
-            status = ctl_mesh_promote(before, error);
-            status = status == PCCD_OK ? ctl_mesh_promote(frame, error) : status;
+        bool is_double = false;
+        for (uint32_t k = 0; k < SCENE_FRAMES; k++) {
+            const struct ctl_mesh *at = &object->at[k];
+            is_double = is_double || (at->x != NULL && at->format == PCCD_FORMAT_F64);
+        }
+        for (uint32_t k = 0; k < SCENE_FRAMES && is_double && status == PCCD_OK; k++) {
+            if (object->at[k].x != NULL) {
+                status = ctl_mesh_promote(&object->at[k], error);
+            }
         }
     }
     return status;
@@ -423,9 +428,12 @@ int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
     return pccd_mesh_put(client, &data, handle, info);
 }
 
-static int fetch_edges(struct scene_object *object, struct pccd_client *client)
+int scene_edges(struct scene_object *object, struct pccd_client *client)
 {
     uint32_t count = object->info.edge_count;
+    if (object->edges != NULL) {
+        return PCCD_OK;
+    }
     /* A mesh of points has no edges; malloc(0) may be NULL. */
     object->edges = malloc(((size_t)count + 1) * sizeof *object->edges);
     return object->edges != NULL
@@ -453,7 +461,7 @@ static int place(struct scene *scene, struct scene_object *object,
         ctl_mesh_deinit(&object->at[0]);
     }
     if (status == PCCD_OK && with_edges) {
-        status = fetch_edges(object, client);
+        status = scene_edges(object, client);
     }
     return status == PCCD_OK ? PCCD_OK : fail(scene, object, client, status, error);
 }
@@ -494,16 +502,14 @@ int scene_feature(struct scene_object *object, struct pccd_client *client, uint3
                   uint32_t points, uint32_t feature, struct place_feature *ends)
 {
     const struct ctl_mesh *mesh = &object->files.mesh;
-    bool moves = object->files.count > 1;
-    const struct ctl_mesh *to = &object->at[moves ? index % 2 : 0];
-    const struct ctl_mesh *from = &object->at[moves ? (index + 1) % 2 : 0];
+    const struct ctl_mesh *to = scene_at(object, index);
+    const struct ctl_mesh *from = index > 0 ? scene_at(object, index - 1) : to;
     uint32_t counts[4] = {0, to->vertex_count, object->info.edge_count,
                           mesh->triangles.count};
     if (feature >= counts[points]) {
         return PCCD_E_FORMAT;
     }
-    int status =
-        points == 2 && object->edges == NULL ? fetch_edges(object, client) : PCCD_OK;
+    int status = points == 2 ? scene_edges(object, client) : PCCD_OK;
     uint32_t *corners = ends->corners;
     for (uint32_t i = 0; i < points && status == PCCD_OK; i++) {
         corners[i] = points == 1 ? feature
@@ -522,13 +528,13 @@ uint32_t scene_motions(const struct scene *scene, uint32_t index, bool is_again,
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct scene_object *object = &scene->objects[i];
-        const struct ctl_mesh *after = &object->at[index % 2];
+        const struct ctl_mesh *after = scene_at(object, index);
         if (object->files.count > 1) {
             motions[count++] = (struct pccd_motion){
                 .object = object->handle,
                 .count = after->vertex_count,
                 .format = after->format,
-                .x0 = is_again ? object->at[(index + 1) % 2].x : NULL,
+                .x0 = is_again ? scene_at(object, index - 1)->x : NULL,
                 .x1 = after->x};
         }
     }
@@ -559,8 +565,9 @@ void scene_close(struct scene *scene)
             free(object->paths[k]);
         }
         ctl_frames_close(&object->files);
-        ctl_mesh_deinit(&object->at[0]);
-        ctl_mesh_deinit(&object->at[1]);
+        for (uint32_t k = 0; k < SCENE_FRAMES; k++) {
+            ctl_mesh_deinit(&object->at[k]);
+        }
         free(object->paths);
         free(object->name);
         free(object->animation);

@@ -20,6 +20,8 @@
 #include "place.h"
 
 #define SCENE_OBJECTS_MAX 4096u
+/* Frames that are kept: the ends of a step, and the one that is read meanwhile. */
+#define SCENE_FRAMES 3u
 
 /* ---- What a command line says of a scene. */
 
@@ -59,7 +61,7 @@ struct scene_object {
     struct pccd_object_settings settings;
 
     struct ctl_frames files;
-    struct ctl_mesh at[2];   /* frames with even and odd numbers; of what stands, at[0] */
+    struct ctl_mesh at[SCENE_FRAMES]; /* scene_at() */
     struct pccd_edge *edges; /* ours; NULL unless asked for */
     struct pccd_mesh_info info;
     uint32_t handle, mesh; /* the daemon's */
@@ -110,6 +112,13 @@ struct scene {
     double build_ms; /* how long the daemon took for meshes and hierarchies */
 };
 
+/* Return where frame `index` of an object is, while it is kept. */
+static inline const struct ctl_mesh *scene_at(const struct scene_object *object,
+                                              uint32_t index)
+{
+    return &object->at[object->files.count > 1 ? index % SCENE_FRAMES : 0];
+}
+
 /* Return whether a file has the name of a scene file, which ends in ".json". */
 bool scene_is_named(const char *path);
 /* Read a scene file; files that it names are beside it. Errors: E_SYSTEM, E_NOMEM;
@@ -146,7 +155,7 @@ int scene_take(struct scene *scene, const struct option_arguments *files, bool e
 /* Open all files. Errors: those of ctl_frames_open; E_INVAL where two objects that move
  * have other numbers of frames. What files have to say comes on stderr. */
 int scene_open(struct scene *scene, struct ctl_error *error);
-/* Have frame `index` of all objects beside the one before, each object's two of one
+/* Have frame `index` of all objects beside the two before, each object's all of one
  * format; frame 0 has those that stand, too. Errors: those of ctl_frames_read. */
 int scene_read(struct scene *scene, uint32_t index, struct ctl_error *error);
 /* Read frame `index` of an object alone, in the scene's unit. Errors: those of
@@ -161,6 +170,8 @@ int scene_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
  * name of the object. */
 int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle,
                 bool with_edges, struct ctl_error *error);
+/* Get the edges of an object, once. Errors: those of pccd_mesh_edges, E_NOMEM. */
+int scene_edges(struct scene_object *object, struct pccd_client *client);
 /* Find the vertices of a feature of so many points, as they are in frames
  * index - 1 and `index`, which scene_read has read; edges are got when they are first
  * asked for. Errors: those of pccd_mesh_edges, E_NOMEM; E_FORMAT: there is none. */

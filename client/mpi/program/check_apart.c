@@ -44,10 +44,10 @@ static int read_ends(struct apart *apart, uint64_t item, struct ctl_error *error
     struct ctl_mesh *at = apart->object.at;
     int status = apart->end != 0 && apart->end == item
                      ? PCCD_OK
-                     : read_frame(apart, item, &at[item % 2], error);
+                     : read_frame(apart, item, &at[item % SCENE_FRAMES], error);
     apart->end = 0;
     if (status == PCCD_OK) {
-        status = read_frame(apart, item + 1, &at[(item + 1) % 2], error);
+        status = read_frame(apart, item + 1, &at[(item + 1) % SCENE_FRAMES], error);
     }
     apart->end = status == PCCD_OK ? item + 1 : 0;
     return status;
@@ -198,7 +198,8 @@ int check_apart(const struct check_options *options, struct part *part,
     items_deinit(&items);
     check_run_deinit(&apart.run);
     pccd_close(apart.run.client);
-    ctl_mesh_deinit(&apart.object.at[0]);
-    ctl_mesh_deinit(&apart.object.at[1]);
+    for (uint32_t i = 0; i < SCENE_FRAMES; i++) {
+        ctl_mesh_deinit(&apart.object.at[i]);
+    }
     return status;
 }
