@@ -328,7 +328,7 @@ report stills__speak_json
 # If it failed, a wrong use would end in something else than a sentence.
 status=0
 for wrong in "replay" "replay a b" "replay --steps 3..2 session.rec" "replay --steps 0 session.rec" \
-    "replay --pace slow session.rec" "render session.rec" "render session.rec -o a.jpg" \
+    "replay --pace slow session.rec" "render session.rec -o a.jpg" \
     "render session.rec -o a.png --size 10x10" "export session.rec -o a.obj" "record -o x" \
     "record -- true" "verify --sample x session.rec"; do
     # shellcheck disable=SC2086 # words
