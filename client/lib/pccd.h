@@ -519,7 +519,7 @@ struct pccd_step_settings {
                                 the question CROSSINGS of pccd_near.h. Not of a batch,
                                 nor with `hold` (E_INVAL). E_VERSION: the daemon is
                                 older than this */
-    /* What becomes of two features without thickness that touch at t = 0; not in mode
+    /* What becomes of two features that touch at t = 0, or are too near then; not in mode
      * pairs. 0: they are a contact at t = 0. TOLD: that has one of three flags, too,
      * which say what happens just after t = 0, exactly. PCCD_ENTERS: it approaches, the
      * surfaces pass through each other there. PCCD_SLIDES: the features go on touching.
@@ -528,9 +528,14 @@ struct pccd_step_settings {
      * the step, it is a contact then, and has its flag. Where nothing tells on which
      * side of each other the surfaces are, they enter: faces that lie in each other and
      * do not show each other their fronts, or part to the back; rods and points in the
-     * plane of what they touch; faces and edges without extent. Costs some 20 us of a
-     * processor for a pair that touches; nothing is kept from step to step. E_VERSION:
-     * the daemon is older than this */
+     * plane of what they touch; faces and edges without extent. Features that do not
+     * touch and begin within the distance at which they meet (radii, `separation`;
+     * `approach` is 0) are told by that distance just after t = 0: it falls, and they
+     * enter; it stays, or it rises. LEFT_OUT: what does not fall is a contact, with
+     * PCCD_INSIDE, where it comes below 1 - 2^-20 of what it was. A pair is two features:
+     * what slides along a surface comes nearer to edges ahead. Costs some 20 us of a
+     * processor for a pair; nothing is kept from step to step. E_VERSION: the daemon is
+     * older than this */
     enum pccd_touching touching;
     /* Of bodies that turn (pccd_turning.h): a pair that is not proved is possible where
      * it comes within so much more than the distance at which it meets, in the unit of
@@ -614,7 +619,7 @@ struct pccd_answer {
      * touch for ever: pccd_weld of pccd_weld.h tells which vertices are one. 0 if
      * anything is thick, and in modes any and pairs. */
     uint64_t coincident;
-    /* Of a step with `touching`: pairs that touch at t = 0 and enter, slide or leave,
+    /* Of a step with `touching`: pairs that begin so and enter, slide or leave,
      * whether they are contacts or left out. 0 in modes any and pairs. */
     uint64_t entering, sliding, leaving;
 };

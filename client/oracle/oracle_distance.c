@@ -442,6 +442,48 @@ static void set_square(mpq_t square, enum oracle_kind kind, const double p[4][3]
     mpq_clear(den);
 }
 
+/* Bits of the time at which a trend is looked at. Of a way, gg / den^2, its conditions
+ * and its difference from the first distance are polynomials in time whose coefficients
+ * are whole numbers: of degree 10 at most in coordinates below 2^b, times 8 more of the
+ * first distance's. One that is not 0 has no root sooner than 2^-(18 b + 64). */
+static unsigned long bits_until(const struct problem *now)
+{
+    size_t b = 1;
+    for (int i = 0; i < 15; i++) {
+        size_t bits = mpz_sizeinbase(now->x[i / 3][i % 3], 2);
+        b = bits > b ? bits : b;
+    }
+    return 18 * (b + 3) + 64;
+}
+
+int oracle_distance_trend(enum oracle_kind kind, const double p[8][3])
+{
+    static const uint8_t rank[4] = {0, 1, 2, 3};
+    struct problem now, soon;
+    problem_init(&now, kind, p, 4);
+    problem_init(&soon, kind, p + 4, 4);
+    int low = now.low < soon.low ? now.low : soon.low;
+    for (int i = 0; i < 12; i++) { /* both in one unit */
+        mpz_ptr x0 = now.x[i / 3][i % 3], x1 = soon.x[i / 3][i % 3];
+        mpz_mul_2exp(x0, x0, (mp_bitcnt_t)(now.low - low));
+        mpz_mul_2exp(x1, x1, (mp_bitcnt_t)(soon.low - low));
+    }
+    unsigned long bits = bits_until(&now), more = bits_until(&soon);
+    bits = more > bits ? more : bits;
+    for (int i = 0; i < 12; i++) { /* x0 2^bits + x1 - x0 */
+        mpz_ptr x0 = now.x[i / 3][i % 3], x1 = soon.x[i / 3][i % 3];
+        mpz_sub(x1, x1, x0);
+        mpz_mul_2exp(x0, x0, bits);
+        mpz_add(x1, x1, x0);
+    }
+    add_ways(&now);
+    add_ways(&soon);
+    int trend = compare_lengths(shortest(&soon, rank), shortest(&now, rank));
+    problem_clear(&now);
+    problem_clear(&soon);
+    return (trend > 0) - (trend < 0);
+}
+
 /* sum += sign (radius[0] + radius[1]) */
 static void add_radii(mpq_t sum, const double radius[2], int sign)
 {

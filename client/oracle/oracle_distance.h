@@ -2,8 +2,8 @@
  * triangle, or of two edges.
  *
  * Find by the definition, in integers, how far two closed features are from each other,
- * between which parts of them that is, and where; whether an edge passes through a
- * triangle.
+ * between which parts of them that is, and where; whether it grows; whether an edge
+ * passes through a triangle.
  *
  * Threads: [any]; no global state.
  */
@@ -46,6 +46,10 @@ void oracle_distance_find(enum oracle_kind kind, const double p[4][3],
 
 /* Return whether the distance is at most d >= 0. */
 bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d);
+
+/* Return whether the distance of a pair falls (-1), stays (0) or rises (1) just after
+ * t = 0: on (0, e] for some e > 0. p: as in oracle.h, at both times. */
+int oracle_distance_trend(enum oracle_kind kind, const double p[8][3]);
 
 /* Return a number below, equal to or above zero as the distance of one pair, less the
  * exact sum of its radii, is to that of another. */

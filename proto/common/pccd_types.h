@@ -223,17 +223,17 @@ enum pccd_contact_flag {
     /* Of a step that tells what becomes of what touches (enum pccd_touching), one of
      * these: just after t = 0 .. */
     PCCD_ENTERS = 8u, /* they approach: the surfaces pass through each other there, or
-                         nothing tells their sides apart */
-    PCCD_SLIDES = 16u, /* they go on touching, on either side of a plane */
+                         nothing tells their sides apart; or their distance falls */
+    PCCD_SLIDES = 16u, /* they go on touching, on two sides of a plane, or as far apart */
     PCCD_LEAVES = 32u  /* they separate */
 };
 
-/* The fate of two features without thickness that touch at t = 0. */
+/* The fate of two features that touch at t = 0, or are as near as they meet. */
 enum pccd_touching {
     PCCD_TOUCHING_KEPT = 0, /* a contact at t = 0, and no more is said */
     PCCD_TOUCHING_TOLD = 1, /* the same, with PCCD_ENTERS, PCCD_SLIDES or PCCD_LEAVES */
-    /* What slides or leaves is no contact then. It is one when it next meets, and has its
-     * flag, too. */
+    /* What slides or leaves is no contact then. It is one, with its flag, when it next
+     * meets, or is nearer than it began. */
     PCCD_TOUCHING_LEFT_OUT = 2,
     PCCD_TOUCHING_COUNT = 3
 };

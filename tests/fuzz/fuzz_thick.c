@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "kinds.h"
+#include "oracle_distance.h"
 #include "oracle_thick.h"
 
 #define FAILURES_MAX 10
@@ -210,6 +211,29 @@ static bool agree(const bool found[ENG_THICK_STAGES],
                           fuzz_thick_same_hit(&hits[0], &hits[1])));
 }
 
+/* Return what is wrong with what the engine says of the distance just after t = 0. */
+static const char *judge_trend(struct fuzz_thick_run *run,
+                               const struct fuzz_thick_case *made)
+{
+    const uint32_t *points = common_kinds[(uint32_t)made->query.query.kind].points;
+    const uint32_t last = points[0] + points[1] - 1;
+    double p[8][3], radius[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < 8; i++) {
+        uint32_t point = i % 4 < last ? i % 4 : last;
+        memcpy(p[i], made->query.query.x[i / 4][point], sizeof p[i]);
+    }
+    const enum oracle_kind kind = points[0] == 1 ? ORACLE_VF : ORACLE_EE;
+    int truth = oracle_distance_trend(kind, (const double(*)[3])p);
+    bool touches = false;
+    int trend = eng_thick_exact_trend(&run->thick.exact, &made->query, &touches);
+    run->trends[1 + truth]++;
+    run->touching += touches;
+    if (touches != oracle_is_within(points[0], (const double(*)[3])p, radius, 0)) {
+        return "whether they touch";
+    }
+    return trend == truth ? NULL : "whether the distance falls";
+}
+
 static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *made)
 {
     struct fuzz_thick_counts *counts = &run->counts[made->family];
@@ -222,6 +246,10 @@ static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *m
     }
     if (prng_below(&run->prng, run->oracle_each) == 0) {
         struct fuzz_thick_truth truth = fuzz_thick_truth_of(made);
+        const char *untrue = judge_trend(run, made);
+        if (untrue) {
+            fail(run, made, &hits[0], untrue);
+        }
         for (int i = 0; i < ENG_THICK_STAGES; i++) {
             const char *what =
                 judge(run, made, (enum eng_thick_stage)i, &truth, &hits[i]);

@@ -58,7 +58,9 @@ struct fuzz_thick_run {
     uint64_t oracle_each; /* the oracle judges one case of so many; 1: all */
     uint64_t judged;      /* cases that it did */
     uint64_t failures;
-    uint64_t kinds[4]; /* cases by kind */
+    uint64_t kinds[4];  /* cases by kind */
+    uint64_t trends[3]; /* those judged, by whether the distance falls, stays, rises */
+    uint64_t touching;  /* of those judged, at t = 0 */
     struct fuzz_thick_counts counts[FUZZ_THICK_FAMILIES];
 };
 

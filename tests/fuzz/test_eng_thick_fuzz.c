@@ -3,7 +3,8 @@
 #include "fuzz_thick_lanes.h"
 
 /* If it failed, a pair would come within r unseen, be said to when it does not, or be
- * said to too late; or that would depend on whether doubles or integers found it. */
+ * said to too late; or that would depend on whether doubles or integers found it. Or it
+ * would be said to approach at t = 0, to stay or to go away, and does not. */
 CASE(thick__is_what_the_oracle_says)
 {
     static struct fuzz_thick_run run;
@@ -17,6 +18,10 @@ CASE(thick__is_what_the_oracle_says)
     assert_true(total.inseparable > total.cases / 2);
     assert_true(total.by_integers > total.cases / 20);
     assert_true(total.by_integers < total.cases / 2);
+    for (int i = 0; i < 3; i++) {
+        assert_true(run.trends[i] > total.cases / 20);
+    }
+    assert_true(run.touching > total.cases / 40);
     fuzz_thick_deinit(&run);
 }
 

@@ -37,7 +37,9 @@ static void print(const struct fuzz_thick_run *run, uint64_t seed)
     for (int i = 0; i < 4; i++) {
         printf(" %s %" PRIu64, common_kinds[i].name, run->kinds[i]);
     }
-    printf("\n");
+    printf("; distances fall %" PRIu64 ", stay %" PRIu64 ", rise %" PRIu64
+           ", are 0 %" PRIu64 "\n",
+           run->trends[0], run->trends[1], run->trends[2], run->touching);
     print_counts("all", &total);
     fflush(stdout);
 }

@@ -13,12 +13,13 @@ struct way {
 };
 
 static struct eng_step_result result;
+static double within; /* things meet at this distance */
 
-/* A box of 0.25 .. 0.75 whose bottom is at z = 0 on a floor of 4 x 4 squares, whose
+/* A box of 0.25 .. 0.75, half of that above a floor of 4 x 4 squares, whose
  * lines its sides are on, or a floor of 3 x 3, whose are elsewhere. */
 static void put_box_on(uint32_t side)
 {
-    const double low[3] = {0.25, 0.25, 0};
+    const double low[3] = {0.25, 0.25, within / 2};
     const double high[3] = {0.75, 0.75, 0.5};
     kit_begin_with(kit_sheet(side, 0), kit_box(low, high, false));
 }
@@ -39,6 +40,7 @@ static void move_box(const struct way *way, enum pccd_touching touching,
     question.touching = touching;
     question.mode = mode;
     question.method = method;
+    question.distance = within;
     eng_stage_begin(kit.scene);
     assert_ok(eng_stage_x0x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, 8, x0, x1));
     result = kit_step(kit.scene, &question);
@@ -150,6 +152,67 @@ CASE(what_leaves_and_comes_back__meets_when_it_does)
         assert_true(contact->normal[2] > 0); /* from the floor to the tip */
         assert_true(result.safe_step > 0.499 && result.safe_step < 0.5);
     }
+}
+
+/* A box that is too near and goes away, or stays, would never get free; or one that comes
+ * nearer still would be let go. */
+CASE(a_box_within_its_distance__is_told_by_whether_that_falls)
+{
+    static const double up[4] = {1, 0x1p-50, 0, -0x1p-50};
+    within = 0.25;
+    check_box(&(struct way){{0, 0, 1}, 0}, 1, false);
+    check_box(&(struct way){{0, 0, 0}, 0}, 1, false);
+    check_box(&(struct way){{0.01, 0.02, 1}, 0}, 1, false);
+    check_box(&(struct way){{0.01, 0.02, 0}, 0}, 0, true); /* nearer to lines ahead */
+    check_box(&(struct way){{0, 0, -0x1p-50}, 0}, 0, true);
+    check_box(&(struct way){{0, 0, 0.25}, -0.5}, 0, true);
+    for (uint32_t i = 0; i < 4; i++) {
+        put_box_on(3);
+        move_box(&(struct way){{0, 0, up[i]}, 0}, PCCD_TOUCHING_TOLD, PCCD_MODE_ALL,
+                 PCCD_METHOD_WIDE);
+        assert_int_equal(result.count, result.initial);
+        assert_int_equal(result.leaving > 0, up[i] > 0);
+        assert_int_equal(result.entering > 0, up[i] < 0);
+        assert_true(result.sliding > 0); /* near lines of the floor itself */
+        assert_int_equal(result.entering + result.sliding + result.leaving, result.count);
+    }
+    within = 0;
+}
+
+/* The distance would be one that it had before, or that another pair has: the tip above
+ * comes nearer than it began when t - 2 t^2 = 0.125 (sqrt(1 + 4 t^2) - 1). */
+CASE(what_goes_away_and_comes_nearer_than_it_began__meets_then)
+{
+    const double floor0[3][3] = {{-8, -8, 0}, {8, -8, 0}, {0, 8, 0}};
+    const double floor1[3][3] = {{-8, -8, -16}, {8, -8, 16}, {0, 8, 0}};
+    const double tip0[4][3] = {
+        {0, 0, 0.125}, {0.25, 0, 64}, {0, 0.25, 64}, {-0.25, 0, 64}};
+    const uint32_t face[1][3] = {{0, 1, 2}};
+    const uint32_t sides[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
+    double tip1[4][3], t = 0.5;
+    for (uint32_t v = 0; v < 4; v++) {
+        tip1[v][0] = tip0[v][0] + 1;
+        tip1[v][1] = tip0[v][1];
+        tip1[v][2] = tip0[v][2] + 1;
+    }
+    for (int i = 0; i < 60; i++) {
+        t = 0.5 - 0.125 * (sqrt(1 + 4 * t * t) - 1) / (2 * t);
+    }
+    kit_begin_with(kit_mesh(floor0, 3, face, 1), kit_mesh(tip0, 4, sides, 3));
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    question.touching = PCCD_TOUCHING_LEFT_OUT;
+    question.distance = 0.25;
+    eng_stage_begin(kit.scene);
+    assert_ok(
+        eng_stage_x0x1(kit.scene, kit.idx[0], PCCD_FORMAT_F64, 0, 3, floor0, floor1));
+    assert_ok(eng_stage_x0x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, 4, tip0, tip1));
+    result = kit_step(kit.scene, &question);
+    const struct pccd_contact *contact = result.records;
+    assert_int_equal(result.count, 1);
+    assert_int_equal(result.leaving, 1);
+    assert_int_equal(contact->flags, PCCD_PROVED | PCCD_INSIDE | PCCD_LEAVES);
+    assert_true(contact->toi > t - 1e-5 && contact->toi < t + 1e-5);
+    assert_true(result.inside == 1 && result.safe_step == nextafter(contact->toi, 0));
 }
 
 /* Sheets of which nothing tells which is above would be let through each other. */

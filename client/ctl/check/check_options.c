@@ -59,9 +59,9 @@ static const struct option_row rows[] = {
      "that it begins with, A above 0 and below 1 (default: at t = 0)",
      OPTION_OWN, .max = 1, .take = take_approach},
     {"touching", 0, "kept|told|left-out",
-     "What touches at t = 0 and is not thick is a contact then (kept, the default); the "
-     "same, and told is whether it enters, slides or leaves; or what slides or leaves is "
-     "left out",
+     "What touches at t = 0, or is within its distance, is a contact then (kept, the "
+     "default); the same, and told is whether it enters, slides or leaves; or what "
+     "slides or leaves is left out",
      OPTION_WORD, .at = AT(settings.touching)},
     CTL_OUTPUT,
     {"contacts", 0, "FILE",

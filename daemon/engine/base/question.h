@@ -96,7 +96,7 @@ struct eng_question {
     /* ENG_CONTACTS, of pairs that begin within r: 0 reports each, at t = 0; between 0 and
      * 1: those that come within so large a part of their first distance. */
     double approach;
-    /* ENG_CONTACTS, not brief: what becomes of thin pairs that touch at t = 0. */
+    /* ENG_CONTACTS: what becomes of pairs that touch at t = 0, or are within r then. */
     enum pccd_touching touching;
     /* ENG_CONTACTS, of bodies that turn: what comes within so much more than the distance
      * at which it meets may be possible. 0 .. 1e18; 0: 2^-20 of the size of the two. */

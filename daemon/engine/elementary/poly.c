@@ -336,6 +336,15 @@ int eng_poly_sign_at_0(const struct eng_poly *poly)
     return poly->degree < 0 ? 0 : mpz_sgn(poly->c[0]);
 }
 
+int eng_poly_sign_after_0(const struct eng_poly *poly)
+{
+    int sign = 0;
+    for (int i = 0; i <= poly->degree && sign == 0; i++) {
+        sign = mpz_sgn(poly->c[i]);
+    }
+    return sign;
+}
+
 int eng_poly_sign_at_1(struct eng_poly *poly)
 {
     mpz_ptr sum = poly->scratch[0];

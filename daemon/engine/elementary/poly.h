@@ -81,6 +81,8 @@ size_t eng_poly_bits(const struct eng_poly *poly);
 void eng_poly_shorten(struct eng_poly *poly);
 
 int eng_poly_sign_at_0(const struct eng_poly *poly);
+/* Return the sign on (0, e] for some e > 0; 0: of the zero polynomial. */
+int eng_poly_sign_after_0(const struct eng_poly *poly);
 int eng_poly_sign_at_1(struct eng_poly *poly);
 
 /* Return the sign variations of the Bernstein coefficients on (0, 1): at least the number

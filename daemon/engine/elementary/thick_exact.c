@@ -384,3 +384,30 @@ void eng_thick_exact_decide(struct eng_thick_exact *exact,
                                  exact->side_count, depth, &verdict->cell);
     }
 }
+
+int eng_thick_exact_trend(struct eng_thick_exact *exact,
+                          const struct eng_thick_query *query, bool *touches)
+{
+    uint32_t kind = (uint32_t)query->query.kind;
+    const struct parts_list *list = &parts_of[kind];
+    int low = lowest(query, list->points);
+    int trend = 1;
+    exact->queries++;
+    load_points(exact, query, list->points, low, false);
+    set_start(exact, kind);
+    *touches = mpz_sgn(exact->best[0]) == 0;
+    mpz_set(exact->square[0], exact->best[0]);
+    mpz_set(exact->square[1], exact->best[1]);
+    load_points(exact, query, list->points, low, true);
+    for (int i = 0; i < list->count && trend >= 0; i++) {
+        set_parts(exact, kind, &list->parts[i]);
+        set_poly(exact);
+        bool has_feet = true;
+        for (int k = 0; k < exact->side_count; k++) {
+            has_feet = has_feet && eng_poly_sign_after_0(&exact->side[k]) > 0;
+        }
+        int sign = eng_poly_sign_after_0(&exact->poly);
+        trend = has_feet && sign < trend ? sign : trend;
+    }
+    return trend;
+}

@@ -86,6 +86,12 @@ struct eng_thick_verdict {
     int64_t cell;    /* of the first time, if found and not initial */
 };
 
+/* Return whether the distance falls (-1), stays (0) or rises (1) just after t = 0: on
+ * (0, e] for some e > 0. *touches: it is 0 at t = 0, and cannot fall. The radii are not
+ * looked at. */
+int eng_thick_exact_trend(struct eng_thick_exact *exact,
+                          const struct eng_thick_query *query, bool *touches);
+
 void eng_thick_exact_decide(struct eng_thick_exact *exact,
                             const struct eng_thick_query *query, int depth,
                             struct eng_thick_verdict *verdict);

@@ -114,12 +114,7 @@ static void cross(struct eng_touching *touching, struct eng_poly out[3],
 
 static struct eng_signs sign_of(const struct eng_poly *poly)
 {
-    struct eng_signs sign = {0, 0};
-    for (int i = 0; i <= poly->degree && sign.next == 0; i++) {
-        sign.next = mpz_sgn(poly->c[i]);
-        sign.now = i == 0 ? sign.next : sign.now;
-    }
-    return sign;
+    return (struct eng_signs){eng_poly_sign_at_0(poly), eng_poly_sign_after_0(poly)};
 }
 
 /* The sign of a . (b x c), of vectors between pairs of the points: [0] to [1]. */

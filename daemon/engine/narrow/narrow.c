@@ -268,7 +268,7 @@ static void test_contacts(struct eng_worker *worker, const struct eng_pairs *pai
     if (worker->question->weigh) {
         weigh(worker, pairs, number, names);
     } else {
-        if (eng_asks_touching(worker->question) && !pairs->radius) {
+        if (eng_asks_touching(worker->question)) {
             eng_narrow_touching(worker, pairs);
         }
         keep(worker, pairs, number, names);

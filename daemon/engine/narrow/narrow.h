@@ -110,8 +110,8 @@ void eng_narrow_test(struct eng_worker *worker, struct eng_pairs *pairs,
 void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
                       struct eng_pairs parts[2]);
 
-/* Tell what becomes of contacts that the batch has found, none of them thick, and that
- * touch at t = 0, or leave them out, as question->touching wants it. */
+/* Tell what becomes of contacts that the batch has found and that are there at t = 0, or
+ * leave them out, as question->touching wants it. */
 void eng_narrow_touching(struct eng_worker *worker, const struct eng_pairs *pairs);
 
 /* Return whether a pair whose distance is *found is within that of the question and its

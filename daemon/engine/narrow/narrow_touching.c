@@ -1,6 +1,8 @@
-/* narrow_touching.c - tells what becomes of what touches at t = 0.
+/* narrow_touching.c - tells what becomes of what touches at t = 0, or is within r then.
  *
- * The surfaces are looked at *just after* t = 0 (touching.h), around the two features:
+ * Of features within r that do not touch, the distance *just after* t = 0 tells: it falls
+ * (enters), stays (slides) or rises (leaves). Of those that touch, the surfaces around
+ * the two features are looked at just after t = 0 (touching.h):
  *
  *   enters  an edge of the one surface passes through a face of the other; or nothing
  *           tells the sides of the two apart (below)
@@ -20,10 +22,15 @@
 #include "memory.h"
 #include "narrow.h"
 #include "solve.h"
+#include "thick.h"
 #include "topology.h"
 
 /* Ends of edges around a vertex that are known not to come twice. */
 #define SEEN_MAX 48u
+
+/* The part of its first distance at which what began within r and did not approach is a
+ * contact again: it has come nearer than it began. */
+#define NEARER (1 - 0x1p-20)
 
 /* Leaves around a vertex from one look at the clock to the next: some 100 us. */
 #define LEAVES_A_LOOK 32u
@@ -46,6 +53,7 @@ struct look {
     struct eng_touching *touching;
     uint32_t leaves; /* looked at */
     bool has_stopped;
+    bool is_near; /* within r, and does not touch */
     bool enters;
     bool is_ambiguous;       /* sides that nothing tells apart */
     bool above[2], below[2]; /* edges: the faces at either are beside the plane of both */
@@ -494,26 +502,50 @@ static struct part part_of(const struct look *look, const struct eng_pairs *pair
     return part;
 }
 
-/* Find what comes after the touch of a pair that does not enter. False: nothing. */
-static bool meets_again(struct eng_worker *worker, const struct eng_pairs *pairs,
-                        const uint32_t *quad, uint32_t flag, struct eng_hit *hit)
+static struct eng_thick_query query_of(const struct eng_pairs *pairs, uint32_t number)
 {
-    const struct eng_question *question = pairs->question;
+    struct eng_thick_query query = {.query.kind = (enum pccd_kind)pairs->kind,
+                                    .approach = NEARER};
+    for (int i = 0; i < 4; i++) {
+        const struct eng_point *point = &pairs->points[pairs->quads[number][i]];
+        memcpy(query.query.x[0][i], point->x0, sizeof query.query.x[0][i]);
+        memcpy(query.query.x[1][i], point->x1, sizeof query.query.x[1][i]);
+    }
+    if (pairs->radius) {
+        memcpy(query.radius, pairs->radius[number], sizeof query.radius);
+    }
+    return query;
+}
+
+/* Find when a pair that touches at t = 0 does so next. */
+static enum eng_again touches_again(struct eng_worker *worker,
+                                    const struct eng_query *query, struct eng_hit *hit)
+{
     struct eng_batch *batch = &worker->narrow->batch;
     struct eng_exact_interrupt *interrupt = &worker->exact.span.interrupt;
-    struct eng_query query = {.kind = (enum pccd_kind)pairs->kind};
-    for (int i = 0; i < 4; i++) {
-        memcpy(query.x[0][i], pairs->points[quad[i]].x0, sizeof query.x[0][i]);
-        memcpy(query.x[1][i], pairs->points[quad[i]].x1, sizeof query.x[1][i]);
-    }
     *interrupt = (struct eng_exact_interrupt){.should_stop = batch->should_stop,
                                               .owner = batch->owner};
-    struct eng_hit next;
-    enum eng_again again =
-        eng_search_again(&query, batch->tolerance, &worker->exact, &next);
+    enum eng_again again = eng_search_again(query, batch->tolerance, &worker->exact, hit);
     bool has_stopped = interrupt->has_stopped;
     *interrupt = (struct eng_exact_interrupt){0};
-    if (again == ENG_AGAIN_NEVER || has_stopped) {
+    return has_stopped ? ENG_AGAIN_NEVER : again;
+}
+
+/* Find when a pair that does not enter is a contact after all. False: it is none. */
+static bool meets_again(const struct look *look, const struct eng_pairs *pairs,
+                        const struct eng_thick_query *query, uint32_t flag,
+                        struct eng_hit *hit)
+{
+    const struct eng_question *question = pairs->question;
+    struct eng_batch *batch = &look->worker->narrow->batch;
+    struct eng_hit next;
+    enum eng_again again =
+        !look->is_near ? touches_again(look->worker, &query->query, &next)
+        : eng_thick_solve(batch->thick, batch->contacts, query, batch->tolerance,
+                          batch->t_end, &next)
+            ? ENG_AGAIN_MEETS
+            : ENG_AGAIN_NEVER;
+    if (again == ENG_AGAIN_NEVER) {
         return false;
     }
     if (again == ENG_AGAIN_UNKNOWN) {
@@ -532,16 +564,37 @@ static bool meets_again(struct eng_worker *worker, const struct eng_pairs *pairs
     return true;
 }
 
-/* Return whether the pair, which touches at t = 0, is kept. */
-static bool judge(struct look *look, const struct eng_pairs *pairs, const uint32_t *quad,
-                  struct eng_hit *hit)
+static uint32_t judge_surfaces(struct look *look, const struct eng_pairs *pairs,
+                               const uint32_t *quad)
 {
-    struct eng_worker *worker = look->worker;
+    if (pairs->kind != PCCD_VF && pairs->kind != PCCD_EE) {
+        return PCCD_ENTERS; /* points and edges have no sides */
+    }
     const uint32_t points_a = pairs->kind == PCCD_VF ? 1 : 2;
     const struct part a = part_of(look, pairs, quad, points_a);
     const struct part b = part_of(look, pairs, quad + points_a, 4 - points_a);
-    uint32_t flag =
-        pairs->kind == PCCD_VF ? judge_vf(look, &a, &b) : judge_ee(look, &a, &b);
+    return pairs->kind == PCCD_VF ? judge_vf(look, &a, &b) : judge_ee(look, &a, &b);
+}
+
+/* Return whether the pair, which touches at t = 0 or is within r, is kept. */
+static bool judge(struct look *look, const struct eng_pairs *pairs, uint32_t number,
+                  struct eng_hit *hit)
+{
+    struct eng_worker *worker = look->worker;
+    const struct eng_thick_query query = query_of(pairs, number);
+    uint32_t flag;
+    bool touches = true;
+    int trend = 0;
+    if (pairs->radius) {
+        trend =
+            eng_thick_exact_trend(&worker->narrow->batch.thick->exact, &query, &touches);
+    }
+    look->is_near = !touches;
+    if (touches) {
+        flag = judge_surfaces(look, pairs, pairs->quads[number]);
+    } else {
+        flag = trend < 0 ? PCCD_ENTERS : trend == 0 ? PCCD_SLIDES : PCCD_LEAVES;
+    }
     if (look->has_stopped) {
         return true;
     }
@@ -550,18 +603,18 @@ static bool judge(struct look *look, const struct eng_pairs *pairs, const uint32
         hit->flags |= flag;
         return true;
     }
-    return meets_again(worker, pairs, quad, flag, hit);
+    return meets_again(look, pairs, &query, flag, hit);
 }
 
 void eng_narrow_touching(struct eng_worker *worker, const struct eng_pairs *pairs)
 {
     struct eng_batch *batch = &worker->narrow->batch;
     uint32_t kept = 0;
-    assert(worker->narrow->touching && !pairs->radius);
+    assert(worker->narrow->touching);
     for (uint32_t i = 0; i < batch->found; i++) {
         struct look look = {.worker = worker, .touching = worker->narrow->touching};
         bool stays = (batch->hits[i].flags & PCCD_INITIAL) == 0 ||
-                     judge(&look, pairs, pairs->quads[batch->index[i]], &batch->hits[i]);
+                     judge(&look, pairs, batch->index[i], &batch->hits[i]);
         if (stays) {
             batch->index[kept] = batch->index[i];
             batch->hits[kept++] = batch->hits[i];
