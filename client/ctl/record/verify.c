@@ -253,7 +253,7 @@ static bool check_exactly(const struct play_step *step,
     } else if (is_proved && untold != NULL) {
         what = untold;
     } else if (meets_again(step, contact, &meeting)) {
-        what = verify_place(contact, (const double(*)[3])meeting.p, meeting.r);
+        what = verify_place(contact, (const double(*)[3])meeting.p, 0);
     } else if (oracle_first_compare(first, contact->toi) < 0) {
         what = "the first contact is before the record's time";
     } else if (is_proved && oracle_first_compare(first, contact->toi_hi) > 0) {

@@ -150,11 +150,14 @@ struct verify_meeting {
     double r;                   /* above 0: they are thick, and meet about there */
     struct oracle_first *first; /* NULL: they never meet; the caller's to free */
     uint32_t flags;             /* PCCD_INITIAL and PCCD_INSIDE, as a record of it has */
-    bool touches;               /* thin, at t = 0 */
+    bool touches;               /* at t = 0 */
+    uint32_t fate; /* of a thick pair that is within r then, and does not touch: the flag
+                      of what its distance does; 0: it is none, or nothing is told */
 };
 
-/* Find when the features of a pair meet first. The meshes of both objects have their
- * edges (recorded_edges). */
+/* Find when the features of a pair are a contact first; where what does not approach is
+ * left out, a thick one when it is nearer than it began. The meshes of both objects have
+ * their edges (recorded_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);
 /* Return what is wrong with what a contact says about its features where they touch at
@@ -166,9 +169,9 @@ const char *verify_touching(const struct play_step *step,
                             const struct verify_meeting *meeting,
                             struct verify_result *result);
 /* Return whether an answer that leaves out what touches and does not enter may lack the
- * pair for that. */
+ * pair for that: it is no contact before the time `until` either. */
 bool verify_is_left_out(const struct play_step *step, const struct pccd_pair *pair,
-                        const struct verify_meeting *meeting,
+                        const struct verify_meeting *meeting, double until,
                         struct verify_result *result);
 /* Set the radii of a pair, and the separation: zeros where rest leaves it thin. Return
  * whether it is thick. */

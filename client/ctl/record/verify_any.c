@@ -18,6 +18,7 @@ struct swept {
 
 struct sweep {
     const struct play_step *step;
+    struct verify_result *result;
     enum pccd_kind kind;
     struct swept *sides[2];
     size_t counts[2];
@@ -150,11 +151,12 @@ static void try_pair(struct sweep *sweep, const struct swept *a, const struct sw
     }
     sweep->is_too_long = ++sweep->decisions > DECISIONS_MAX || sweep->is_too_long;
     verify_meet(sweep->step, &pair, &meeting);
-    if (meeting.first != NULL) {
+    if (meeting.first != NULL &&
+        !verify_is_left_out(sweep->step, &pair, &meeting, 1, sweep->result)) {
         sweep->has_found = true;
         sweep->found = pair;
-        oracle_first_free(meeting.first);
     }
+    oracle_first_free(meeting.first);
 }
 
 /* Each two whose boxes meet along x: of both, the one that begins later meets those that
@@ -205,7 +207,7 @@ static int search(struct sweep *sweep, struct ctl_error *error)
 bool verify_any(const struct play_step *step, const struct verify_start *start,
                 struct verify_result *result, struct ctl_error *error, int *status)
 {
-    struct sweep sweep = {.step = step};
+    struct sweep sweep = {.step = step, .result = result};
     uint32_t verdict = verify_verdict(step);
     bool is_free = start->crossings + start->inside == 0;
     if (verdict == PCCD_VERDICT_NONE || (step->tells_start && !start->is_known)) {
@@ -215,11 +217,6 @@ bool verify_any(const struct play_step *step, const struct verify_start *start,
         return verify_wrong(result, step, NULL,
                             "the verdict is that nothing meets, and it begins crossed or "
                             "inside");
-    }
-    if (step->touching == PCCD_TOUCHING_LEFT_OUT) {
-        return verify_leave(result,
-                            "what touches and does not enter was left out: whether "
-                            "anything else meets is not checked");
     }
     *status = search(&sweep, error);
     if (*status != PCCD_OK) {

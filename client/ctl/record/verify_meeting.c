@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "kinds.h"
+#include "oracle_distance.h"
 #include "oracle_thick.h"
 #include "registry.h"
 
@@ -102,6 +103,25 @@ bool verify_radii(const struct play_step *step, const struct pccd_pair *pair,
     return is_thick;
 }
 
+/* The part of its first distance at which a pair that did not approach is a contact. */
+#define NEARER (1 - 0x1p-20)
+
+/* Find what the distance of a thick pair does that begins within r, and if it is left out
+ * for that, when it comes nearer than it began. */
+static void look_at_distance(const struct play_step *step, enum oracle_kind kind,
+                             struct oracle_thick *thick, struct verify_meeting *meeting)
+{
+    static const uint32_t flags[3] = {PCCD_ENTERS, PCCD_SLIDES, PCCD_LEAVES};
+    int trend = oracle_distance_trend(kind, (const double(*)[3])meeting->p);
+    meeting->fate = flags[1 + trend];
+    if (step->touching == PCCD_TOUCHING_LEFT_OUT && trend >= 0) {
+        thick->approach = NEARER;
+        oracle_first_free(meeting->first);
+        meeting->first = oracle_thick_first_new(thick);
+        meeting->flags = PCCD_INSIDE;
+    }
+}
+
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting)
 {
@@ -119,9 +139,16 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                          : NULL; /* points that keep no distance do not meet anything */
     bool at_once = meeting->first != NULL && oracle_first_compare(meeting->first, 0) == 0;
     bool is_inside = is_thick && thick.approach > 0 && oracle_thick_is_inside(&thick);
-    meeting->touches = at_once && !is_thick;
+    meeting->touches =
+        at_once &&
+        (!is_thick || oracle_is_within(points[0], (const double(*)[3])meeting->p,
+                                       (const double[2]){0, 0}, 0));
     meeting->flags =
         (at_once ? (uint32_t)PCCD_INITIAL : 0) | (is_inside ? (uint32_t)PCCD_INSIDE : 0);
+    meeting->fate = 0;
+    if (at_once && !meeting->touches && step->touching != PCCD_TOUCHING_KEPT) {
+        look_at_distance(step, points[0] == 1 ? ORACLE_VF : ORACLE_EE, &thick, meeting);
+    }
 }
 
 /* Return whether high - low is above the exact sum of the radii. */

@@ -102,22 +102,21 @@ static bool meet(const struct box *a, const struct box *b)
     return true;
 }
 
-/* Return whether an answer of its mode may leave out a pair that touches. */
-static bool may_be_left_out(const struct play_step *step, const struct pccd_pair *pair,
-                            struct oracle_first *first)
+/* Return the time from which on an answer of its mode may leave out a pair; 2: at no
+ * time. */
+static double may_lack_from(const struct play_step *step, const struct pccd_pair *pair)
 {
     const struct pccd_contact *kept;
     switch (verify_mode(step)) {
     case PCCD_MODE_FIRST_PER_PAIR:
         kept = verify_of_objects(step, pair->object_a, pair->object_b);
-        return kept != NULL && oracle_first_compare(first, kept->toi) >= 0;
+        return kept != NULL ? kept->toi : 2;
     case PCCD_MODE_FIRST:
-        return oracle_first_compare(first, verify_toi_first(step)) >= 0 &&
-               step->found.count > 0;
+        return step->found.count > 0 ? verify_toi_first(step) : 2;
     case PCCD_MODE_ANY:
-        return verify_verdict(step) != PCCD_VERDICT_NO;
+        return verify_verdict(step) != PCCD_VERDICT_NO ? 0 : 2;
     default:
-        return false;
+        return 2;
     }
 }
 
@@ -141,9 +140,10 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
                             "a pair that no axis separates is missing in the answer");
     }
     verify_meet(draw->step, pair, &meeting);
-    bool is_right = meeting.first == NULL ||
-                    may_be_left_out(draw->step, pair, meeting.first) ||
-                    verify_is_left_out(draw->step, pair, &meeting, draw->result);
+    double from = may_lack_from(draw->step, pair);
+    bool is_right =
+        meeting.first == NULL || oracle_first_compare(meeting.first, from) >= 0 ||
+        verify_is_left_out(draw->step, pair, &meeting, fmin(from, 1), draw->result);
     oracle_first_free(meeting.first);
     if (!is_right) {
         return verify_wrong(draw->result, draw->step, pair,
