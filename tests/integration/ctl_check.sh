@@ -240,6 +240,37 @@ meets box0.obj box1.obj && says '^contacts +36: ' '^safe step +0$' && ! grep -q 
     ctl verify box.rec && ctl replay box.rec && says ' the same, 0 not$'
 report "check lets a box go that leaves its floor, and none that goes in"
 
+# What is nearer than its thickness and goes away would never be free, or be called one that keeps
+# it; what comes nearer still would be.
+for z in 0.125 1 0.0625; do
+    box_on_floor $z >"near$z.obj"
+done
+meets --thickness 0.25 near0.125.obj near1.obj && says '^safe step +0$' &&
+    ctl check --thickness 0.25 --touching left-out near0.125.obj near1.obj && says '^contacts +0: ' '^safe step +1$' \
+        '^touching +[1-9][0-9]* at t = 0: 0 enter, ' '; thickness not kept by what slides or leaves$' &&
+    meets --thickness 0.25 --touching left-out near0.125.obj near0.0625.obj && says '^safe step +0$' &&
+    for mode in all first any first-per-pair; do
+        for to in near0.125 near1 near0.0625; do
+            ctl record -o near.rec --contacts -- "$PCCDCTL" check --mode $mode --thickness 0.25 \
+                --touching left-out near0.125.obj $to.obj
+            ctl verify near.rec && ! grep -q 'not checked' out err || echo "$mode $to" >>wrong
+        done
+    done && [ ! -e wrong ]
+report "check lets go what is nearer than its thickness and does not come nearer"
+
+# A tip that slides over a side of what it touches is a contact there; if that were not checked, it
+# could be told at any time.
+printf 'v %s\n' '-4 -4 0' '4 -4 0' '0 4 0' '0 0 0' '0 1 2' '1 0 2' >slide0.obj
+printf 'v %s\n' '-4 -4 0' '4 -4 0' '0 4 0' '6 0 0' '6 1 2' '7 0 2' >slide1.obj
+printf 'f %s\n' '1 2 3' '4 5 6' | tee -a slide0.obj >>slide1.obj
+for mode in all first any; do
+    ctl record -o slide.rec --contacts -- "$PCCDCTL" check --mode $mode --touching left-out slide0.obj slide1.obj
+    ctl verify slide.rec && ! grep -q 'not checked' out err || echo "slide $mode" >>wrong
+done
+meets --touching left-out slide0.obj slide1.obj && says '^contacts +3: ' '^first at +t = 0\.333333333: vertex 3 meets face 0 ' '^touching +1 at t = 0: 0 enter, 1 slides' &&
+    [ ! -e wrong ]
+report "verify knows when what slides meets again"
+
 # A body that crosses itself in each of its frames: not one step of it is free, also those
 # that have no contact.
 kick=${PCCD_DATA:-}/kick

@@ -222,6 +222,7 @@ void judge_take(struct judge *judge, const struct judged *judged)
         return;
     }
     judge->steps++;
+    judge->left_out += report->answer.sliding + report->answer.leaving;
     judge->begins_crossed = judge->begins_crossed || report->answer.crossings > 0;
     if (judged->meets || report->answer.start_inside > 0) {
         judge->meeting++;
@@ -313,6 +314,7 @@ void judge_print(FILE *to, const struct judge *judge, const char *label)
     if (judge->is_thick && judge->steps > 0) {
         fprintf(to, "; thickness %s",
                 !is_free(judge)         ? "not kept"
+                : judge->left_out > 0   ? "not kept by what slides or leaves"
                 : judge->incomplete > 0 ? "not known"
                                         : "kept");
     }
@@ -341,7 +343,9 @@ json_t *judge_line(const struct judge *judge)
     json_set(object, "new_first_step",
              judge->fresh > 0 ? json_integer(judge->fresh_at) : json_null(), &ok);
     json_set(object, "thickness_kept",
-             judge->is_thick ? json_boolean(is_free(judge)) : json_null(), &ok);
+             judge->is_thick ? json_boolean(is_free(judge) && judge->left_out == 0)
+                             : json_null(),
+             &ok);
     json_set_count(object, "incomplete", judge->incomplete, &ok);
     if (!ok) {
         json_decref(object);

@@ -127,6 +127,7 @@ struct judge {
     uint32_t meets_at;            /* the first of them */
     struct judged_contact meets;  /* the earliest there, of a mode that tells it */
     bool begins_crossed;          /* some step does */
+    uint64_t left_out; /* pairs of all steps that touch, or are within their distance */
     bool knows_standing;          /* these are known: */
     uint64_t crossings, standing; /* in the first frame; of these in the last */
     uint64_t fresh;               /* new ones, of all frames */
