@@ -174,8 +174,8 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     do {
         status = wait_and_receive(client, deadline_ns);
         if (status == PCCD_E_TIMEOUT) {
-            status = cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s does not answer",
-                              client->url);
+            status = cli_fail(client, PCCD_E_TIMEOUT,
+                              "the daemon at %s has not answered in time", client->url);
         }
     } while (status == PCCD_E_AGAIN && !client->link.is_down);
     if (upload != NULL) {

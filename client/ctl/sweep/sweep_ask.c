@@ -12,8 +12,10 @@ static int fail(struct sweep *sweep, int status)
 {
     return status == PCCD_OK
                ? PCCD_OK
-               : ctl_error_set(sweep->error, status, "%s: %s", sweep->robot->path,
-                               pccd_error_text(sweep->client));
+               : ctl_error_set(sweep->error, status, "%s: %s%s", sweep->robot->path,
+                               pccd_error_text(sweep->client),
+                               status == PCCD_E_TIMEOUT ? "; --timeout gives it longer"
+                                                        : "");
 }
 
 static int put_shape(struct sweep *sweep, struct robot_shape *shape)
