@@ -84,8 +84,12 @@ static void ignore_signals(void)
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigemptyset(&ignore.sa_mask);
     sigaction(SIGPIPE, &ignore, NULL); /* a dead peer is an error of its socket */
-    sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go; who has a
-                                          file to read again takes it (reactor.c) */
+    sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go */
+    /* From before the files are read one waits for who takes it (reactor.c). */
+    sigset_t waits;
+    sigemptyset(&waits);
+    sigaddset(&waits, SIGHUP);
+    sigprocmask(SIG_BLOCK, &waits, NULL);
 }
 
 /* Its messages go to the file beside the socket (last_words.h). */
@@ -151,6 +155,8 @@ int main(int argc, char **argv)
     COMMON_ROUNDING_HERE; /* of all threads: each begins as the one that makes it */
     (void)prctl(PR_SET_NAME, "pccdd", 0, 0, 0); /* started anew, it would be "exe" */
     struct srv_options options;
+    ignore_signals();
+    umask(0077); /* of the log, too, now as when it is opened anew */
     srv_options_parse(&options, argc, argv);
     srv_log_set_level(options.log_level);
     srv_log_set_format(options.log_format);
@@ -164,8 +170,6 @@ int main(int argc, char **argv)
         return 1;
     }
     prepare_memory();
-    ignore_signals();
-    umask(0077);
     srv_crash_install();
     srv_lifeline_take();
     if (srv_activate(&options) != 0) {

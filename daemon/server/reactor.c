@@ -435,6 +435,10 @@ static int init_handles(struct srv_reactor *reactor)
         close_handles(reactor);
         return PCCD_E_SYSTEM;
     }
+    sigset_t hangup; /* may have come since the files were read (main.c) */
+    sigemptyset(&hangup);
+    sigaddset(&hangup, SIGHUP);
+    sigprocmask(SIG_UNBLOCK, &hangup, NULL);
     return 0;
 }
 

@@ -42,7 +42,11 @@ refused 'bad.conf:2: the line is not NAME = VALUE' '# one' 'threads 2' &&
     refused 'bad.conf:1: the line has no value' 'threads =' &&
     refused 'bad.conf:1: the line is too long' "socket = $(printf '%400s' x)" &&
     rm bad.conf && timeout 20 "$PCCD_DAEMON" --config bad.conf >out 2>err
-[ $? -eq 64 ] && grep -q 'bad.conf: No such file' err
+[ $? -eq 64 ] && grep -q 'bad.conf: No such file' err &&
+    mkfifo pipe.conf && { timeout 5 "$PCCD_DAEMON" --config pipe.conf >out 2>err; [ $? -eq 64 ]; } &&
+    grep -q 'pipe.conf: a pipe cannot be read again' err &&
+    { timeout 5 "$PCCD_DAEMON" --socket "$work/bad" --log-file pipe.conf >out 2>err; [ $? -eq 1 ]; } &&
+    grep -q 'pipe.conf: Operation not supported' err
 report config_file__mistakes_are_named
 
 # Each of these daemons is in its sandbox where the machine has one.
@@ -57,7 +61,7 @@ report config_file__is_taken_before_the_command_line
 # one that cannot hold at once would be said to.
 ctl config set log-level info && ctl config set linger 9 &&
     printf '%s\n' 'threads = 1' 'grace=78' 'queue-max = none' 'linger = 11' 'pin = off' >it.conf &&
-    kill -HUP "$daemon" && soon grep -q 'scenes-max: no longer in it.conf' it.log && setting grace 78 &&
+    kill -HUP "$daemon" && soon grep -q 'scenes-max = 10: no longer in it.conf' it.log && setting grace 78 &&
     setting linger 11 && setting queue-max 32768 && setting scenes-max 20 &&
     grep -q 'it.conf:3: queue-max: "none" is not a whole number; it stays as it was' it.log &&
     grep -q 'it.conf:5: pin: this holds after a restart' it.log &&
@@ -69,10 +73,36 @@ ctl config set log-level info && ctl config set linger 9 &&
 [ $? -eq 1 ]
 report config_file__is_read_again_on_sighup
 
+# If it failed, a pipe in place of a file would stop the daemon, or SIGHUP would have the first of
+# several words on a setting hold, or a user who may no longer be a client would go without a word.
+mkfifo it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf: a pipe cannot be read again; all stays' it.log &&
+    rm it.conf && printf '%s\n' 'grace = 31' 'grace = 32' 'allow-uid = 0' 'allow-uid = 12345' >it.conf &&
+    kill -HUP "$daemon" && soon grep -q 'it.conf:4: allow-uid: this holds' it.log && setting grace 32 &&
+    ! grep -q 'grace: 31' it.log && : >it.log &&
+    printf '%s\n' 'grace = 31' 'grace = 32' 'allow-uid = 0' 'linger = 12' >it.conf &&
+    kill -HUP "$daemon" && soon grep -q 'allow-uid = 12345: no longer in it.conf' it.log &&
+    setting linger 12 && setting grace 32 && [ "$(grep -c 'grace\|allow-uid' it.log)" -eq 1 ]
+report config_file__says_several_things_of_one_option
+
 # If it failed, what renames old logs would have the daemon write to a file that nobody looks at.
-mv it.log old.log && lines=$(wc -l <old.log) && kill -HUP "$daemon" && soon test -s it.log &&
-    ctl config set grace 6 && soon grep -q 'grace: 6, was 5' it.log && [ "$(wc -l <old.log)" = "$lines" ]
+rm it.conf && mv it.log old.log && lines=$(wc -l <old.log) && kill -HUP "$daemon" && soon test -s it.log &&
+    ctl config set grace 6 && soon grep -q 'grace: 6, was 32' it.log && [ "$(wc -l <old.log)" = "$lines" ] &&
+    [ "$(stat -c %a it.log old.log | sort -u)" = 600 ] && mv it.log old.log && mkfifo it.log &&
+    kill -HUP "$daemon" && soon grep -q 'it.log: Operation not supported; messages go where they went' old.log &&
+    ctl config set grace 7
 report log_file__is_opened_anew_on_sighup
+kill "$daemon"
+wait "$daemon" 2>/dev/null
+
+# If it failed, SIGHUP while the daemon starts, after it has read the file, would be lost.
+echo 'grace = 41' >it.conf
+rm -f s.lock
+"$PCCD_DAEMON" --socket "$work/s" --threads 1 --config it.conf --log-level error 2>s.log &
+daemon=$!
+pids="$pids $daemon"
+soon eval 'until [ -e s.lock ]; do :; done' && echo 'grace = 42' >it.conf && kill -HUP "$daemon" &&
+    soon setting grace 42
+report config_file__is_read_again_on_sighup_at_start
 kill "$daemon"
 wait "$daemon" 2>/dev/null
 
@@ -129,7 +159,8 @@ status_is() { grep -q "^$1 text/plain; version=0.0.4" status; }
 names=(metrics__are_answered_over_http metrics__of_users_are_told_apart)
 if ! command -v python3 >/dev/null; then
     for name in "${names[@]}"; do tap_skip "$name" "it takes python3"; done
-elif fails 4 'without libmicrohttpd' metrics --listen http; then
+# Where it can serve, this path is refused at once.
+elif fails 4 'without libmicrohttpd' metrics --listen none/http; then
     for name in "${names[@]}"; do tap_skip "$name" "it takes libmicrohttpd"; done
 else
     "$PCCDCTL" metrics --listen http 2>http.log &
@@ -140,6 +171,7 @@ else
         [ "$(tail -c 1 out | od -An -c)" = '  \n' ] && get /health && status_is 200 && says '^ok$' &&
         get / && status_is 404 && get /metrics POST && status_is 405 && get /metrics HEAD && status_is 200 &&
         [ ! -s out ] && fails 4 'cannot listen at http: Address already in use' metrics --listen http &&
+        fails 4 'cannot listen at s: Address already in use' metrics --listen s && [ -S s ] && # the daemon's
         kill "$daemon" && { wait "$daemon" 2>/dev/null; get /health; } && status_is 503 && says 'no answer' &&
         get /metrics && status_is 503 && start_daemon s --threads 1 && get /health && status_is 200
     report "${names[0]}"

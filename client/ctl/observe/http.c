@@ -28,12 +28,14 @@ struct server {
 
 /* ---- the socket -------------------------------------------------------------------- */
 
-/* Return whether somebody listens there. */
-static bool is_served(const struct sockaddr_un *address)
+/* Return whether nobody listens there. A socket of another type, such as a daemon's, or
+ * one that we may not connect to, fails otherwise. */
+static bool is_refused(const struct sockaddr_un *address)
 {
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    bool is =
-        fd >= 0 && connect(fd, (const struct sockaddr *)address, sizeof *address) == 0;
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    bool is = fd >= 0 &&
+              connect(fd, (const struct sockaddr *)address, sizeof *address) != 0 &&
+              errno == ECONNREFUSED;
     if (fd >= 0) {
         close(fd);
     }
@@ -45,7 +47,7 @@ static void remove_stale(const struct sockaddr_un *address)
 {
     struct stat found;
     if (lstat(address->sun_path, &found) == 0 && S_ISSOCK(found.st_mode) &&
-        !is_served(address)) {
+        is_refused(address)) {
         unlink(address->sun_path);
     }
 }

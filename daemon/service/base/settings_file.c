@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define LINE_BYTES (SRV_SETTINGS_NAME_BYTES + SRV_SETTINGS_VALUE_BYTES + 64u)
 
@@ -51,8 +52,14 @@ bool srv_settings_file_read(struct srv_settings_file *file, const char *path,
     char text[LINE_BYTES];
     const char *wrong = NULL;
     uint32_t number = 0;
-    FILE *from = fopen(path, "re"); /* with the flags that the sandbox allows */
+    struct stat found;
     file->count = 0;
+    if (stat(path, &found) == 0 && S_ISFIFO(found.st_mode)) { /* would keep us waiting */
+        snprintf(error, SRV_SETTINGS_ERROR_BYTES, "%s: a pipe cannot be read again",
+                 path);
+        return false;
+    }
+    FILE *from = fopen(path, "re"); /* with the flags that the sandbox allows */
     while (from != NULL && wrong == NULL && fgets(text, sizeof text, from) != NULL) {
         const char *said = text + strspn(text, " \t\r\n");
         number++;

@@ -309,12 +309,27 @@ static void reload_line(struct srv_service *service, const struct srv_settings_l
     }
 }
 
-/* Return whether what the file says last of that line's name was said before. */
-static bool is_known(const struct srv_settings_file *file,
-                     const struct srv_settings_line *line)
+/* Return whether a file says the same as that line: of a setting, the last word counts;
+ * another option may stand there several times. */
+static bool says(const struct srv_settings_file *file,
+                 const struct srv_settings_line *line)
 {
     const char *value = srv_settings_file_value(file, line->name);
-    return value != NULL && strcmp(value, line->value) == 0;
+    bool does = value != NULL && strcmp(value, line->value) == 0;
+    for (uint32_t i = 0; i < file->count && find(line->name) == SETTING_COUNT; i++) {
+        does = does || (strcmp(file->lines[i].name, line->name) == 0 &&
+                        strcmp(file->lines[i].value, line->value) == 0);
+    }
+    return does;
+}
+
+/* Return whether a line that was there leaves nothing of its kind behind. */
+static bool is_gone(const struct srv_settings_file *now,
+                    const struct srv_settings_line *line)
+{
+    return find(line->name) < SETTING_COUNT
+               ? srv_settings_file_value(now, line->name) == NULL
+               : !says(now, line);
 }
 
 void srv_config_reload(struct srv_service *service)
@@ -328,15 +343,16 @@ void srv_config_reload(struct srv_service *service)
         return;
     }
     for (uint32_t i = 0; i < now.count; i++) {
-        if (!is_known(last, &now.lines[i])) {
+        if (!says(last, &now.lines[i]) && says(&now, &now.lines[i])) {
             reload_line(service, &now.lines[i]);
         }
     }
     for (uint32_t i = 0; i < last->count; i++) {
-        if (srv_settings_file_value(&now, last->lines[i].name) == NULL) {
+        if (is_gone(&now, &last->lines[i])) {
             srv_log(SRV_LOG_WARN, 0,
-                    "%s: no longer in %s; it stays as it was until a restart",
-                    last->lines[i].name, service->options->config_path);
+                    "%s = %s: no longer in %s; it stays as it was until a restart",
+                    last->lines[i].name, last->lines[i].value,
+                    service->options->config_path);
         }
     }
     *last = now;
