@@ -1,7 +1,7 @@
 # speed.gp - README's chart: what pccd takes by one thread, and others in the same run, in
-# milliseconds on a logarithmic scale.
+# milliseconds.
 #
-# A group of bars is of one run: steps.txt has pccd by two instruction sets and the method of
+# A group of bars is of one run, and its longest bar is as long as those of the others: steps.txt has pccd by two instruction sets and the method of
 # the paper, peers.csv pccd and the fastest other library, allowed.csv (bench-allowed) pccd and
 # ipc-toolkit. Each bar is labelled where it stands.
 
@@ -11,13 +11,16 @@ if (kind eq 'svg') {
     set terminal svg size 900,560 font 'Helvetica,14' background 'white' enhanced
 }
 
-# Rows: where it stands, milliseconds (0: a heading), whether it is pccd, the value, the text.
+# Rows: where it stands, its part of the group's longest (0: a heading), whether it is pccd, the
+# value, the text.
 bars = sprintf("< awk -v OFS='\t' '" . \
     "BEGIN { told[\"cloth-ball\"] = \"cloth on a ball, 92 230 triangles\";" . \
     "    told[\"n-body\"] = \"balls, 146 480 triangles\" }" . \
-    "function head(text) { y += 0.6; print y++, 0, 0, \"\", text }" . \
-    "function bar(text, ms, is_ours) {" . \
-    "    print y++, ms, is_ours, sprintf(ms < 10 ? \"%%.1f\" : \"%%.0f\", ms), text }" . \
+    "function flush(   i) { for (i = 0; i < bars; i++) print y++, time[i] / most, rest[i];" . \
+    "    bars = most = 0 }" . \
+    "function head(text) { flush(); y += 0.6; print y++, 0, 0, \"\", text }" . \
+    "function bar(text, ms, is_ours) { most = ms > most ? ms : most; time[bars] = ms;" . \
+    "    rest[bars++] = is_ours OFS sprintf(ms < 10 ? \"%%.1f\" : \"%%.0f\", ms) OFS text }" . \
     "FILENAME ~ /steps/ && /^wide:/ { scene = $2 }" . \
     "FILENAME ~ /steps/ && /^the first/ { best = $3 }" . \
     "FILENAME ~ /steps/ && /^--cpu=avx2/ { avx2 = $2 }" . \
@@ -32,12 +35,12 @@ bars = sprintf("< awk -v OFS='\t' '" . \
     "    head(\"How much of a step is safe: \" told[v[1]]); bar(\"pccd\", v[2], 1);" . \
     "    bar(\"ipc-toolkit, additive CCD\", v[3], 0);" . \
     "    bar(\"ipc-toolkit, Tight-Inclusion\", v[4], 0) }" . \
+    "END { flush() }" . \
     "' $(ls '%s/steps.txt' '%s/peers.csv' '%s/allowed.csv' 2>/dev/null)", folder, folder, folder)
 
 set datafile separator "\t"
-set label 'Milliseconds by one thread, on a logarithmic scale; each group is of one run' at screen 0.02, 0.965 font ',16'
-set logscale x
-set xrange [1:60000]
+set label 'Milliseconds by one thread. Each group is of one run; its longest bar is of full length' at screen 0.02, 0.965 font ',16'
+set xrange [0:1.1]
 set yrange [*:*] reverse
 set lmargin at screen 0.25
 set rmargin 1
@@ -49,9 +52,9 @@ unset ytics
 unset grid
 unset key
 heading(ms) = ms == 0
-plot bars using (1):(heading($2) ? NaN : $1):(1):2:($1 - 0.38):($1 + 0.38): \
+plot bars using (0):(heading($2) ? NaN : $1):(0):2:($1 - 0.38):($1 + 0.38): \
             ($3 == 1 ? 0x1f6fb4 : 0x9aa3ad) \
         with boxxyerror fill solid 1 noborder lc rgb variable, \
     '' using 2:(heading($2) ? NaN : $1):4 with labels left offset 0.4, 0, \
-    '' using (1):(heading($2) ? NaN : $1):5 with labels right offset -1, 0, \
-    '' using (1):(heading($2) ? $1 : NaN):5 with labels left
+    '' using (0):(heading($2) ? NaN : $1):5 with labels right offset -1, 0, \
+    '' using (0):(heading($2) ? $1 : NaN):5 with labels left
