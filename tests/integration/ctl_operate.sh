@@ -212,4 +212,9 @@ start_daemon s --threads 1 --supervise
 ctl drain --wait 10 --json && [ "$(json_value clients) $(json_value ended)" = '0 true' ] && ! kill -0 "$daemon" 2>/dev/null
 report drain__ends_a_supervisor_too
 
+# If it failed, beside what an earlier daemon has left drain would remove a socket that systemd made,
+# and end nothing.
+start_daemon s --threads 1 && rm s.lock && echo $$ >s.lock && ends 4 'no daemon holds' drain && [ -S s ] && [ -e s.lock ]
+report drain__spares_a_socket_whose_lock_is_not_held
+
 tap_end

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/pidfd.h>
 #include <unistd.h>
 
@@ -66,9 +67,13 @@ static int find_process(struct daemon *daemon)
 {
     FILE *file = fopen(daemon->lock, "re");
     long pid = 0;
-    if (file == NULL) {
-        return ctl_complain("drain: there is no %s: systemd made this socket, or another "
-                            "drain was here",
+    bool is_held = file != NULL && flock(fileno(file), LOCK_SH | LOCK_NB) != 0;
+    if (!is_held) { /* a file that nobody holds is what an earlier daemon has left */
+        if (file != NULL) {
+            fclose(file);
+        }
+        return ctl_complain("drain: no daemon holds %s: systemd made this socket, or "
+                            "another drain was here",
                             tool_shown(daemon->lock));
     }
     bool is_read = fscanf(file, "%ld", &pid) == 1 && pid > 0;
