@@ -274,7 +274,7 @@ static void parse_file(struct srv_options *options, int argc, char **argv)
     char error[SRV_SETTINGS_ERROR_BYTES];
     char path[SRV_PATH_BYTES];
     strcpy(path, options->config_path);
-    if (!srv_settings_file_read(&file, path, error)) {
+    if (!srv_kept_file(&file) && !srv_settings_file_read(&file, path, error)) {
         fprintf(stderr, "pccdd: %s\n", error);
         exit(argp_err_exit_status);
     }

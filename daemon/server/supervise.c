@@ -412,7 +412,7 @@ int srv_supervise(const struct srv_options *options, char **argv,
                                     .worker = {.lifeline = -1},
                                     .spare = {.lifeline = -1},
                                     .spare_fd = -1,
-                                    .kept_fd = srv_kept_make(),
+                                    .kept_fd = srv_kept_make(options->config),
                                     .ready_fd = options->ready_fd,
                                     .argv = argv,
                                     .crashes_max = options->crashes_max};

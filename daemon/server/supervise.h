@@ -9,6 +9,7 @@
 #ifndef SRV_SUPERVISE_H
 #define SRV_SUPERVISE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "options.h"
@@ -28,13 +29,18 @@ int srv_supervise(const struct srv_options *options, char **argv,
 
 struct srv_config_kept;
 
-/* Make, in a supervisor, the memory that keeps them. Returns its descriptor, closed on
- * exec; -1: none is to be had, and a crash loses the changes. */
-int srv_kept_make(void);
+/* Make, in a supervisor, the memory that keeps them, and the configuration file (NULL:
+ * there is none). Returns its descriptor, closed on exec; -1: none is to be had, and a
+ * crash loses the changes. */
+int srv_kept_make(const struct srv_settings_file *file);
 
 /* Share the memory of `fd` with the program; negative: none. In a child, before exec.
  * Returns 0 or a status, errno set. */
 int srv_kept_give(int fd);
+
+/* Read the configuration file that a supervisor keeps for this process. False: there is
+ * no supervisor. */
+bool srv_kept_file(struct srv_settings_file *file);
 
 /* Take what this process was given, for as long as it runs; NULL: nothing. Once. */
 struct srv_config_kept *srv_kept_take(void);

@@ -106,7 +106,8 @@ report config_file__is_read_again_on_sighup_at_start
 kill "$daemon"
 wait "$daemon" 2>/dev/null
 
-# If it failed, a worker that comes after a crash would have neither the file's change nor the log.
+# If it failed, a worker that comes after a crash would have neither the file's change nor the log, or
+# none would come as the file has become wrong.
 printf '%s\n' 'grace = 7' 'supervise = yes' 'threads = 1' >it.conf
 start_daemon s --config it.conf --log-file sup.log --log-level debug
 ctl version --json && worker=$(json_value pid) && [ "$worker" != "$daemon" ] &&
@@ -114,7 +115,9 @@ ctl version --json && worker=$(json_value pid) && [ "$worker" != "$daemon" ] &&
     kill -HUP "$daemon" && soon grep -q 'grace: 8, by the configuration file' sup.log &&
     soon grep -q 'stands by' sup.log && kill -KILL "$worker" &&
     soon setting grace 8 && soon grep -q 'was ended by signal 9' sup.log &&
-    grep -q 'listens on' sup.log
+    grep -q 'listens on' sup.log &&
+    echo 'threads = many' >it.conf && ctl version --json && worker=$(json_value pid) &&
+    kill -KILL "$worker" && soon eval "! kill -0 $worker 2>/dev/null" && soon setting grace 8
 report config_file__outlives_a_crash_of_the_worker
 kill "$daemon"
 wait "$daemon" 2>/dev/null

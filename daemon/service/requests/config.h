@@ -9,14 +9,19 @@
 
 #include <stdint.h>
 
+#include "settings_file.h"
+
 struct srv_service;
 
 #define SRV_CONFIG_KEPT_MAX 64u
 
-/* Changed settings, in memory that outlives the process: by index, one more than the
- * value, 0: as at the start. Another process has written them: they are checked anew. */
+/* What outlives the process: changed settings, by index, one more than the value, 0: as at
+ * the start. Another process has written them: they are checked anew. And the
+ * configuration file as it was when the supervisor began, which was right: one that has
+ * become wrong since ends no worker. */
 struct srv_config_kept {
     _Atomic uint64_t plus_one[SRV_CONFIG_KEPT_MAX];
+    struct srv_settings_file file;
 };
 
 /* Change all settings as they were kept, and keep what is changed from now on. NULL:
