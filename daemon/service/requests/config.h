@@ -15,8 +15,8 @@ struct srv_service;
 
 #define SRV_CONFIG_KEPT_MAX 64u
 
-/* What outlives the process: changed settings, by index, one more than the value, 0: as at
- * the start. Another process has written them: they are checked anew. And the
+/* Holds what outlives the process. Changed settings by index: one more than the value, 0:
+ * as at the start; another process has written them, so they are checked anew. And the
  * configuration file as it was when the supervisor began, which was right: one that has
  * become wrong since ends no worker. */
 struct srv_config_kept {
