@@ -175,7 +175,7 @@ attempt() { # FILE COMMAND...
         rm -f full/*
     done
 }
-attempt a.png "$PCCDCTL" render -o full/a.png some.rec
+attempt a.png "$PCCDCTL" render --size 2400x1800 -o full/a.png some.rec
 attempt a.svg "$PCCDCTL" render -o full/a.svg some.rec
 attempt a.glb "$PCCDCTL" export -o full/a.glb large.rec
 attempt a.vtp "$PCCDCTL" export -o full/a.vtp large.rec
