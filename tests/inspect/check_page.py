@@ -691,7 +691,7 @@ class Near(InBrowser):
                 self.assertIn(sentence, self.text("sentence"))
                 # Crossings are told where they were asked for, and only there.
                 self.assertEqual("crossings" in self.facts("facts"), what == "crossings")
-                # What crosses is asked in two questions: of edges in faces, and of what touches.
+                # Two questions tell what crosses: edges in faces, and what touches.
                 self.assertEqual(self.is_seen("transport"), what == "crossings")
                 self.browser.click("#go-first")
                 self.assertEqual(self.facts("detail-facts")["first"], first)
