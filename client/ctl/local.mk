@@ -147,7 +147,7 @@ libctl_la_LIBADD = libpage.la libtools.la libregistry.la
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) \
-    $(EXPAT_LIBS) $(MICROHTTPD_LIBS) $(LIBM)
+    $(EXPAT_LIBS) $(LIBM)
 
 # Of README.md; client/README.md has the command that drew it.
 

@@ -1,10 +1,15 @@
-/* http.c - answers HTTP on a Unix socket, by libmicrohttpd. */
+/* http.c - answers HTTP on a Unix socket, by libmicrohttpd.
+ *
+ * That library is loaded when it is needed: with it come nine others, which would make each
+ * call of pccdctl take twice as long to begin.
+ */
 #include "http.h"
 
 #include "ctl.h"
 
 #ifdef HAVE_MICROHTTPD
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <microhttpd.h>
 #include <stdlib.h>
@@ -25,6 +30,41 @@ struct server {
     http_answer answer;
     void *context;
 };
+
+/* ---- the library --------------------------------------------------------------------- */
+
+/* X(its function, without MHD_) */
+#define FUNCTIONS(X)                                                                     \
+    X(start_daemon)                                                                      \
+    X(run_wait)                                                                          \
+    X(stop_daemon)                                                                       \
+    X(create_response_from_buffer)                                                       \
+    X(add_response_header)                                                               \
+    X(queue_response)                                                                    \
+    X(destroy_response)
+
+static struct {
+#define MEMBER(name) __typeof__(MHD_##name) *name;
+    FUNCTIONS(MEMBER)
+#undef MEMBER
+} mhd;
+
+/* Returns what is wrong, or NULL. */
+static const char *load_library(void)
+{
+    void *library = dlopen("libmicrohttpd.so.12", RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL) {
+        return dlerror();
+    }
+#define LOAD(name)                                                                       \
+    *(void **)&mhd.name = dlsym(library, "MHD_" #name);                                  \
+    if (mhd.name == NULL) {                                                              \
+        return dlerror();                                                                \
+    }
+    FUNCTIONS(LOAD)
+#undef LOAD
+    return NULL;
+}
 
 /* ---- the socket -------------------------------------------------------------------- */
 
@@ -84,15 +124,15 @@ static enum MHD_Result reply(struct MHD_Connection *connection, unsigned status,
                              char *text, size_t bytes)
 {
     struct MHD_Response *response =
-        MHD_create_response_from_buffer(bytes, text, MHD_RESPMEM_MUST_FREE);
+        mhd.create_response_from_buffer(bytes, text, MHD_RESPMEM_MUST_FREE);
     if (response == NULL) {
         free(text);
         return MHD_NO;
     }
-    (void)MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE,
+    (void)mhd.add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE,
                                   "text/plain; version=0.0.4; charset=utf-8");
-    enum MHD_Result result = MHD_queue_response(connection, status, response);
-    MHD_destroy_response(response);
+    enum MHD_Result result = mhd.queue_response(connection, status, response);
+    mhd.destroy_response(response);
     return result;
 }
 
@@ -133,11 +173,15 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
 int http_serve(const char *path, http_answer answer, void *context)
 {
     struct server server = {answer, context};
+    const char *wrong = load_library();
+    if (wrong != NULL) {
+        return ctl_complain("cannot listen at %s: libmicrohttpd: %s", path, wrong);
+    }
     int fd = listen_at(path);
     if (fd < 0) {
         return ctl_complain("cannot listen at %s: %s", path, strerror(errno));
     }
-    struct MHD_Daemon *daemon = MHD_start_daemon(
+    struct MHD_Daemon *daemon = mhd.start_daemon(
         MHD_NO_FLAG, 0, NULL, NULL, on_request, &server, MHD_OPTION_LISTEN_SOCKET, fd,
         MHD_OPTION_CONNECTION_LIMIT, CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT,
         IDLE_S, MHD_OPTION_END);
@@ -149,9 +193,9 @@ int http_serve(const char *path, http_answer answer, void *context)
     terminal_catch_interrupts();
     enum MHD_Result result = MHD_YES;
     while (result == MHD_YES && !terminal_was_interrupted()) {
-        result = MHD_run_wait(daemon, SLICE_MS);
+        result = mhd.run_wait(daemon, SLICE_MS);
     }
-    MHD_stop_daemon(daemon); /* closes the socket */
+    mhd.stop_daemon(daemon); /* closes the socket */
     unlink(path);
     return terminal_was_interrupted() ? CTL_DONE
                                       : ctl_complain("serving HTTP at %s failed", path);
