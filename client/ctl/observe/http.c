@@ -1,7 +1,7 @@
 /* http.c - answers HTTP on a Unix socket, by libmicrohttpd.
  *
- * That library is loaded when it is needed: with it come nine others, which would make each
- * call of pccdctl take twice as long to begin.
+ * That library is loaded when it is needed: with it come nine others, which would make
+ * each call of pccdctl take twice as long to begin.
  */
 #include "http.h"
 
@@ -31,7 +31,7 @@ struct server {
     void *context;
 };
 
-/* ---- the library --------------------------------------------------------------------- */
+/* ---- the library ------------------------------------------------------------------- */
 
 /* X(its function, without MHD_) */
 #define FUNCTIONS(X)                                                                     \
