@@ -5,7 +5,7 @@ import { nameOfColour } from "./colours.js";
 import { sideOf } from "./words.js";
 
 /** What was typed, as tests of a record's side, or of its whole; all must hold. Words: "vertex 3",
- * "face 12", "edge 4 7" (its vertices), "12" (any feature with that vertex), "t<0.5", and else a
+ * "face 12", "edge 4-7" (its vertices), "12" (any feature with that vertex), "t<0.5", and else a
  * part of an object's name, or its colour. */
 export function readWords(text) {
   const tests = [];
