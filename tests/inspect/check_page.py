@@ -645,6 +645,12 @@ class Phone(InBrowser):
             const detail = document.getElementById('detail').getBoundingClientRect();
             return [detail.top, detail.bottom];""")
         self.assertTrue(0 <= box[0] < box[1] <= 800, box)
+        # The next one is a tap away: nothing lies over its button.
+        self.assertTrue(self.browser.run("""
+            const next = document.getElementById('go-next');
+            const {left, top, width, height} = next.getBoundingClientRect();
+            return document.elementFromPoint(left + width / 2, top + height / 2) === next;
+            """))
         self.picture("tapped")
         self.browser.run("pccd.state.set({playing: false})")
         self.browser.click("#detail-close")
