@@ -1,6 +1,6 @@
 #!/bin/bash
-# recordings_check.sh - the steps of recordings, and of frames, over 2, 3 and 8 ranks (make mpi-check: 1, 2, 3, 4, 8):
-# each done once, and the same said as by pccdctl.
+# recordings_check.sh - the steps of recordings, and of frames, over 2, 3 and 8 ranks (in make
+# mpi-check: 1, 2, 3, 4 and 8): each done once, and the same said as by pccdctl.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DATA?}"
