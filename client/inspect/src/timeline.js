@@ -4,7 +4,7 @@ import { PHASES } from "./colours.js";
 import { byId, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
 
 const TOP = 16; // above the bars, for the scale
-const BAR_MAX = 44;
+const BAR_MAX = 128;
 
 /** A round number of nanoseconds below `ns`, for a line of the scale. */
 function roundBelow(ns) {
