@@ -318,11 +318,6 @@ static void corners_of(struct scene *scene, int which, uint32_t leaf, struct spo
     }
 }
 
-static bool has(struct spot *const f[3], const struct spot *p)
-{
-    return f[0] == p || f[1] == p || f[2] == p;
-}
-
 static bool is_flat(struct spot *const f[3], struct spot *const g[3])
 {
     return side(f, g[0], NOW) == 0 && side(f, g[1], NOW) == 0 && side(f, g[2], NOW) == 0;
@@ -410,7 +405,7 @@ static enum oracle_fate fate_of_vertex(struct scene *scene, struct spot *p,
         corners_of(scene, 0, i, g);
         is_open = is_open || (!is_face && g[0] == g[1]);
         for (int k = 0; k < 3; k++) {
-            if (g[k] == p || has(f, g[k])) {
+            if (g[k] == p) {
                 continue;
             }
             if (pierces(p, g[k], f)) {
@@ -557,8 +552,7 @@ static enum oracle_fate fate_of_edges(struct scene *scene, struct spot *const e[
             is_in_plane[i] =
                 is_in_plane[i] || (!is_line(f) && side(f, e[1 - i][0], NOW) == 0 &&
                                    side(f, e[1 - i][1], NOW) == 0);
-            enters = enters || (!has(f, e[1 - i][0]) && !has(f, e[1 - i][1]) &&
-                                pierces(e[1 - i][0], e[1 - i][1], f));
+            enters = enters || pierces(e[1 - i][0], e[1 - i][1], f);
         }
     }
     vector_clear(&n);

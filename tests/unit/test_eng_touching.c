@@ -270,6 +270,37 @@ CASE(faces_that_are_lines_at_first__enter)
     }
 }
 
+/* A rod that begins at a corner of a face, and lies on it, shows no side: its other end
+ * would be let through the face. */
+CASE(a_rod_on_the_face_it_begins_at__enters)
+{
+    const struct eng_mesh_counts counts = {.vertices = 4, .triangles = 1, .edges = 1};
+    const double x0[4][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}};
+    const uint32_t face[1][3] = {{0, 1, 2}};
+    const uint32_t rod[1][2] = {{0, 3}};
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    struct eng_mesh *mesh;
+    uint32_t bad;
+    assert_ok(eng_mesh_make(&counts, &mesh));
+    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x0));
+    assert_ok(eng_mesh_write_triangles(mesh, 0, 1, face, &bad));
+    assert_ok(eng_mesh_write_edges(mesh, 0, 1, rod, &bad));
+    assert_ok(eng_mesh_commit(mesh));
+    kit_begin();
+    kit_put(mesh);
+    question.touching = PCCD_TOUCHING_LEFT_OUT;
+    for (int way = -1; way <= 1; way += 2) {
+        double x1[4][3];
+        memcpy(x1, x0, sizeof x1);
+        x1[3][2] = way;
+        eng_stage_begin(kit.scene);
+        assert_ok(eng_stage_x0x1(kit.scene, kit.idx[0], PCCD_FORMAT_F64, 0, 4, x0, x1));
+        result = kit_step(kit.scene, &question);
+        assert_int_equal(result.entering, 1);
+        assert_true(result.count == 1 && result.safe_step == 0);
+    }
+}
+
 /* The records of the last answer would be taken for those of another question. */
 CASE(steps_that_are_asked_by_turns__have_their_own_answers)
 {

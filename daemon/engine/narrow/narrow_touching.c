@@ -70,17 +70,6 @@ static struct corner corner_of(const struct look *look, const struct eng_object 
     return corner;
 }
 
-static bool has(const struct part *part, uint32_t count, const struct eng_object *object,
-                uint32_t v)
-{
-    for (uint32_t i = 0; i < count && part->object == object; i++) {
-        if (part->corner[i].v == v) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Return whether the look goes on. */
 static bool goes_on(struct look *look)
 {
@@ -122,7 +111,8 @@ static bool lie_in_each_other(struct look *look, const struct eng_point *const f
 
 /* ---- a vertex on a face ------------------------------------------------------------ */
 
-/* The edge from the vertex to `end`. */
+/* The edge from the vertex to `end`, which may be a corner of f: then it passes through
+ * nothing, and lies in the plane. */
 static void look_at_edge(struct look *look, const struct corner *vertex, int side,
                          const struct eng_point *const f[3], const struct corner *end,
                          bool is_free)
@@ -149,8 +139,7 @@ static bool is_seen(uint32_t *seen, uint32_t *count, uint32_t v)
 
 /* The leaves around the vertex; `side`: where that is just after. */
 static void look_around_vertex(struct look *look, const struct part *a,
-                               const struct part *b, const struct eng_point *const f[3],
-                               int side)
+                               const struct eng_point *const f[3], int side)
 {
     const struct eng_mesh *mesh = a->object->mesh;
     const struct corner *vertex = &a->corner[0];
@@ -169,8 +158,7 @@ static void look_around_vertex(struct look *look, const struct part *a,
         for (int k = 0; k < 3; k++) {
             uint32_t v = leaf->v[k];
             corner[k] = corner_of(look, a->object, v);
-            if (v != vertex->v && !has(b, 3, a->object, v) &&
-                !is_seen(seen, &seen_count, v)) {
+            if (v != vertex->v && !is_seen(seen, &seen_count, v)) {
                 look_at_edge(look, vertex, side, f, &corner[k], !is_face);
             }
         }
@@ -309,7 +297,7 @@ static uint32_t judge_vf(struct look *look, const struct part *a, const struct p
         return PCCD_ENTERS; /* a face that is a line has no sides */
     }
     int side = eng_touching_side(look->touching, f, points[0]).next;
-    look_around_vertex(look, a, b, f, side);
+    look_around_vertex(look, a, f, side);
     if (look->enters) {
         return PCCD_ENTERS;
     }
@@ -381,7 +369,6 @@ struct edges {
 static void look_at_faces(struct look *look, struct edges *edges, uint32_t which)
 {
     const struct part *edge = edges->part[which];
-    const struct part *other = edges->part[1 - which];
     const struct eng_point *const *ends = edges->ends[1 - which];
     struct faces faces = faces_at(edge);
     while (next_face(look, &faces)) {
@@ -399,11 +386,8 @@ static void look_at_faces(struct look *look, struct edges *edges, uint32_t which
             edges->is_flat[which] || (has_front && side[0].now == 0 && side[1].now == 0);
         look->above[which] = look->above[which] || beside > 0;
         look->below[which] = look->below[which] || beside < 0;
-        if (!has(other, 2, edge->object, faces.third.v)) {
-            look->enters =
-                eng_touching_passes(look->touching, ends, faces.f,
-                                    (const int[2]){side[0].next, side[1].next});
-        }
+        look->enters = eng_touching_passes(look->touching, ends, faces.f,
+                                           (const int[2]){side[0].next, side[1].next});
     }
 }
 
