@@ -391,6 +391,34 @@ CASE(verify__passes_what_is_right)
     assert_non_null(strstr(said, "\"pass\": true"));
 }
 
+/* Record one step of one object from where it is registered to x1, with one contact of
+ * that kind, and let verify pass it. */
+static void pass_contact(void **state, const struct pccd_mesh_data *data, double radius,
+                         const void *x1, enum pccd_kind kind)
+{
+    const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS,
+                                               .radius = radius};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_client *client = NULL;
+    uint32_t mesh = 0, scene = 0, object = 0;
+    char said[4096];
+
+    assert_int_equal(test_shared_connect(state, 0, &client), 0);
+    (void)unlink(forged);
+    assert_ok(pccd_record_start(client, forged, NULL));
+    assert_ok(pccd_mesh_put(client, data, &mesh, NULL));
+    scene = test_scene(client);
+    object = test_object(client, scene, mesh);
+    assert_ok(pccd_object_set(client, scene, object, &thick));
+    assert_ok(pccd_step_x0x1(client, scene, object, data->x, x1, PCCD_FORMAT_F64,
+                             data->vertex_count, NULL, &answer));
+    assert_int_equal(answer.total, 1);
+    assert_int_equal(answer.counts[kind], 1);
+    pccd_close(client);
+    assert_int_equal(run_ctl("verify", "", forged, said), 0);
+    assert_non_null(strstr(said, "PASS: 1 step, 1 contact "));
+}
+
 /* If this failed, a vertex that nothing uses, beside a point with a thickness, would be
  * taken for a point, or an edge with equal ends would not, and a right answer be called
  * wrong. Vertex 1 is unused; 2 is a point by such an edge, and meets 3. */
@@ -406,26 +434,25 @@ CASE(verify__takes_an_unused_vertex_for_no_point)
                                         .edges = edge,
                                         .point_count = 2,
                                         .edge_count = 1};
-    const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS, .radius = 0.1};
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct pccd_client *client = NULL;
-    uint32_t mesh = 0, scene = 0, object = 0;
-    char said[4096];
 
-    assert_int_equal(test_shared_connect(state, 0, &client), 0);
-    (void)unlink(forged);
-    assert_ok(pccd_record_start(client, forged, NULL));
-    assert_ok(pccd_mesh_put(client, &data, &mesh, NULL));
-    scene = test_scene(client);
-    object = test_object(client, scene, mesh);
-    assert_ok(pccd_object_set(client, scene, object, &thick));
-    assert_ok(
-        pccd_step_x0x1(client, scene, object, x, x, PCCD_FORMAT_F64, 4, NULL, &answer));
-    assert_int_equal(answer.total, 1);
-    assert_int_equal(answer.counts[PCCD_VV], 1);
-    pccd_close(client);
-    assert_int_equal(run_ctl("verify", "", forged, said), 0);
-    assert_non_null(strstr(said, "PASS: 1 step, 1 contact "));
+    pass_contact(state, &data, 0.1, x, PCCD_VV);
+}
+
+/* If this failed, a right answer would be called wrong: the second rod turns round where
+ * the two meet, a point then, and nothing tells the sides of a point. */
+CASE(verify__asks_no_side_of_an_edge_that_is_a_point)
+{
+    static const double x0[4][3] = {{1, 0, 1}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0}};
+    static const double x1[4][3] = {{0, 1, 0}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    static const uint32_t edges[4] = {0, 1, 2, 3};
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = x0,
+                                        .format = PCCD_FORMAT_F64,
+                                        .vertex_count = 4,
+                                        .edges = edges,
+                                        .edge_count = 2};
+
+    pass_contact(state, &data, 0, x1, PCCD_EE);
 }
 
 /* If this failed, a daemon with a wrong answer would be trusted. */

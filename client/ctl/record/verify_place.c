@@ -143,8 +143,9 @@ static const char *judge_thin_normal(const struct pccd_contact *contact,
     if (1 - along > NORMAL_SLACK * NORMAL_SLACK + 2 * turned + 1e-11 / sine) {
         return "the record's normal is not that of its features";
     }
-    int side = side_at_begin(p, points);
-    return side != 0 && turned < 0.5 && dot(normal, n[0]) * side < 0
+    /* Where a feature shrinks to a point, and opens again, its direction turns round. */
+    int side = dot(n[0], n[1]) > 0.5 ? side_at_begin(p, points) : 0;
+    return dot(normal, n[0]) * side < 0
                ? "the record's normal points to the wrong side"
                : NULL;
 }
