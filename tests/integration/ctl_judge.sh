@@ -257,7 +257,9 @@ report judge__looks_at_the_end_of_the_one_step
 
 # If it failed, a page of steps that were made before would say that none of them fails.
 cp r.jsonl w.jsonl
-for option in '--contacts w.csv' '--page w.html' '--film w.apng'; do
+ctl check --private --page p.html seq0.obj seq1.obj
+has_page=$(grep -q 'built without' err || echo yes)
+for option in '--contacts w.csv' ${has_page:+'--page w.html'} '--film w.apng'; do
     head -n 4 r.jsonl >w.jsonl
     # shellcheck disable=SC2086 # words
     ends 4 "w.jsonl has steps already, whose contacts ${option% *} would leave out" \
