@@ -790,7 +790,8 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
  * nothing before it. Positions are read out of the slot when the step has been sent.
  *
  * No call is needed with $PCCD_RECORD=PATH in the environment: every client is recorded
- * from the beginning, to PATH, PATH-2, ...; $PCCD_RECORD_OPTIONS holds settings, as
+ * from the beginning, to PATH, PATH-2, .. PATH-999, the first that there is not
+ * (E_LIMIT: all exist); $PCCD_RECORD_OPTIONS holds settings, as
  * "max_bytes=N,segments=N,contacts=1,level=N,up=3".
  *
  * Shared scenes: the daemon keeps what anybody does to the scene (up to 128 MiB a scene,

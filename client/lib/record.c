@@ -200,7 +200,14 @@ static int start_beside(struct pccd_client *client, const char *path,
     char *name = malloc(room);
     int status = PCCD_E_NOMEM;
 
-    for (uint32_t i = 1; name != NULL && i <= FILES_MAX; i++) {
+    for (uint32_t i = 1; name != NULL; i++) {
+        if (i > FILES_MAX) {
+            status = cli_fail(client, PCCD_E_LIMIT,
+                              "PCCD_RECORD=%.250s: this file and those that end in -2 to "
+                              "-%u exist: remove some",
+                              path, FILES_MAX);
+            break;
+        }
         (void)snprintf(name, room, i == 1 ? "%s" : "%s-%u", path, i);
         if (access(name, F_OK) != 0) {
             status = pccd_record_start(client, name, settings);

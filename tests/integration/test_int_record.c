@@ -525,4 +525,33 @@ CASE(environment__records_every_client)
     test_recording_repeats("--json", name, stages[1].steps);
 }
 
+/* If this failed, who has recorded often would be told that there is no memory. */
+CASE(environment__says_when_no_name_is_left)
+{
+    struct pccd_client *client = NULL;
+    struct pccd_options options;
+    char name[128];
+
+    test_recording_clear();
+    pccd_options_init(&options);
+    options.url = daemon_.url;
+    options.no_keep = true;
+    assert_int_equal(setenv("PCCD_RECORD", test_recording, 1), 0);
+    for (int i = 1; i <= 999; i++) {
+        (void)snprintf(name, sizeof name, i == 1 ? "%s" : "%s-%d", test_recording, i);
+        assert_int_equal(close(open(name, O_CREAT | O_WRONLY, 0600)), 0);
+    }
+    assert_int_equal(pccd_connect(&options, &client), PCCD_E_LIMIT);
+    assert_non_null(strstr(pccd_error_text(NULL), "PCCD_RECORD="));
+    (void)snprintf(name, sizeof name, "%s-7", test_recording);
+    assert_int_equal(unlink(name), 0);
+    assert_ok(pccd_connect(&options, &client));
+    pccd_close(client);
+    assert_int_equal(unsetenv("PCCD_RECORD"), 0);
+    for (int i = 1; i <= 999; i++) {
+        (void)snprintf(name, sizeof name, i == 1 ? "%s" : "%s-%d", test_recording, i);
+        assert_int_equal(unlink(name), 0);
+    }
+}
+
 CASES_WITH(set_up, tear_down);
