@@ -199,12 +199,8 @@ awk -v layers="$layers" "$room_of"'
         print room_of(folder_of($1)) "/" name
     }' "$work/paths" | LC_ALL=C sort >"$work/files"
 # Of every include: the room of the file, what it includes, the file.
-while read -r file; do
-    sed -n 's/^ *# *include *\([<"][^>"]*[>"]\).*/\1/p' "$file" |
-        while read -r include; do
-            printf '%s %s %s\n' "${file%/*}" "$include" "$file"
-        done
-done <"$work/paths" | awk -v layers="$layers" "$room_of"'
+xargs grep -HoE '^ *# *include *[<"][^>"]*[>"]' <"$work/paths" |
+    sed 's|^\([^:]*\)/\([^/:]*\): *# *include *|\1 \1/\2 |' | awk '{ print $1, $3, $2 }' | awk -v layers="$layers" "$room_of"'
     BEGIN { read_layers(layers) }
     { print room_of($1), $2, $3 }' >"$work/includes"
 [ -s "$work/files" ] && [ -s "$work/includes" ] || exit 99
