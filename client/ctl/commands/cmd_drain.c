@@ -1,17 +1,16 @@
 /* cmd_drain.c - pccdctl drain. */
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/pidfd.h>
 #include <unistd.h>
 
 #include "ctl.h"
+#include "doctor.h"
 #include "link.h"
 #include "output.h"
 #include "printable.h"
@@ -62,23 +61,16 @@ static void count_session(void *context, const struct pccd_session_info *info)
     daemon->sessions++;
 }
 
-/* Open the process whose number the lock file has. Returns an exit status. */
+/* Open the process that holds the lock. Returns an exit status. */
 static int find_process(struct daemon *daemon)
 {
-    FILE *file = fopen(daemon->lock, "re");
-    long pid = 0;
-    bool is_held = file != NULL && flock(fileno(file), LOCK_SH | LOCK_NB) != 0;
-    if (!is_held) { /* a file that nobody holds is what an earlier daemon has left */
-        if (file != NULL) {
-            fclose(file);
-        }
+    pid_t pid = 0;
+    if (doctor_look_at_lock(daemon->lock, &pid) != DOCTOR_LOCK_HELD) {
         return ctl_complain("drain: no daemon holds %s: systemd made this socket, or "
                             "another drain was here",
                             tool_shown(daemon->lock));
     }
-    bool is_read = fscanf(file, "%ld", &pid) == 1 && pid > 0;
-    fclose(file);
-    daemon->process = is_read ? pidfd_open((pid_t)pid, 0) : -1;
+    daemon->process = pid > 0 ? pidfd_open(pid, 0) : -1;
     return CTL_DONE;
 }
 

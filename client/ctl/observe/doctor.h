@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 #include "last_words.h"
 #include "pccd.h"
@@ -44,5 +45,16 @@ void doctor_look_at_machine(struct doctor *doctor);
 void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *options);
 /* Look at the daemon; client NULL: pccd_connect has returned `status`. */
 void doctor_look_at_daemon(struct doctor *doctor, struct pccd_client *client, int status);
+
+/* Says what there is of the lock beside a socket, which is held while a daemon lives. */
+enum doctor_lock {
+    DOCTOR_LOCK_NONE, /* or it is not ours to look at */
+    DOCTOR_LOCK_FREE, /* left from a daemon that has crashed */
+    DOCTOR_LOCK_HELD
+};
+
+/* Look at the lock's file. *holder: the process whose number is there; 0: none, or it
+ * cannot be read. */
+enum doctor_lock doctor_look_at_lock(const char *path, pid_t *holder);
 
 #endif

@@ -156,17 +156,31 @@ static void look_at_folder(struct doctor *doctor, const char *path)
                 (unsigned)found.st_uid);
 }
 
-/* The lock lies beside the socket and is held while a daemon lives. */
+enum doctor_lock doctor_look_at_lock(const char *path, pid_t *holder)
+{
+    char text[32] = "";
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) {
+        return DOCTOR_LOCK_NONE;
+    }
+    bool is_free = flock(fd, LOCK_SH | LOCK_NB) == 0;
+    ssize_t bytes = pread(fd, text, sizeof text - 1, 0);
+    close(fd);
+    *holder = bytes > 0 ? (pid_t)strtol(text, NULL, 10) : 0;
+    return is_free ? DOCTOR_LOCK_FREE : DOCTOR_LOCK_HELD;
+}
+
+/* Tell of the lock beside the socket. */
 static void look_at_lock(struct doctor *doctor, const char *path, bool has_socket)
 {
     char lock[PATH_BYTES + 8];
     snprintf(lock, sizeof lock, "%s.lock", path);
-    int fd = open(lock, O_RDONLY | O_CLOEXEC);
-    if (fd < 0) {
-        return; /* none, or not ours to look at */
+    pid_t holder;
+    enum doctor_lock state = doctor_look_at_lock(lock, &holder);
+    bool is_free = state == DOCTOR_LOCK_FREE;
+    if (state == DOCTOR_LOCK_NONE) {
+        return;
     }
-    bool is_free = flock(fd, LOCK_SH | LOCK_NB) == 0;
-    close(fd);
     if (is_free && has_socket) {
         doctor_find(doctor, DOCTOR_WARN, "lock",
                     "the next daemon that starts takes both over; nothing to do",
