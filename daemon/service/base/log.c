@@ -162,12 +162,11 @@ static size_t write_quoted(const char *text, char *to)
     return length;
 }
 
-/* Returns the length of the line, without its end. */
-static size_t write_text(char *line, size_t capacity, enum srv_level level,
-                         uint64_t session, const char *message)
+/* Return the length of the line, without its end; `time` is write_time's. */
+static size_t write_text(char *line, size_t capacity, const char *time,
+                         enum srv_level level, uint64_t session, const char *message)
 {
-    char time[32], about[24] = "-";
-    write_time(time);
+    char about[24] = "-";
     if (session != 0) {
         snprintf(about, sizeof about, "s%llu", (unsigned long long)session);
     }
@@ -176,11 +175,11 @@ static size_t write_text(char *line, size_t capacity, enum srv_level level,
     return (size_t)length < capacity ? (size_t)length : capacity - 1;
 }
 
-static size_t write_json(char *line, size_t capacity, enum srv_level level,
-                         uint64_t session, const char *message)
+/* Return the same of a JSON object. */
+static size_t write_json(char *line, size_t capacity, const char *time,
+                         enum srv_level level, uint64_t session, const char *message)
 {
-    char time[32], about[48] = "";
-    write_time(time);
+    char about[48] = "";
     if (session != 0) {
         snprintf(about, sizeof about, "\"session\":%llu,", (unsigned long long)session);
     }
@@ -198,14 +197,16 @@ static void write_line(enum srv_level level, uint64_t session, const char *forma
 static void write_line(enum srv_level level, uint64_t session, const char *format,
                        va_list arguments)
 {
-    char line[LINE_BYTES], said[1024], message[MESSAGE_BYTES];
+    char line[LINE_BYTES], time[32], said[1024], message[MESSAGE_BYTES];
     bool is_json =
         atomic_load_explicit(&format_now, memory_order_relaxed) == SRV_LOG_JSON;
     vsnprintf(said, sizeof said, format, arguments);
     /* Whatever a client has called itself, a line stays one. */
     (void)proto_printable(said, strlen(said), message, sizeof message);
-    size_t length = is_json ? write_json(line, sizeof line - 1, level, session, message)
-                            : write_text(line, sizeof line - 1, level, session, message);
+    write_time(time);
+    size_t length =
+        is_json ? write_json(line, sizeof line - 1, time, level, session, message)
+                : write_text(line, sizeof line - 1, time, level, session, message);
     line[length] = '\n';
     /* A pipe that nobody reads must not stop the daemon. One with room has it for at
      * least PIPE_BUF bytes, enough for a line of each of the two threads. */
