@@ -106,7 +106,7 @@ time_all() {
 # replay STEPS: of the way between two frames, again and again, each time by its ends.
 replay() {
     local recording=$into/replayed turn number begin
-    "$top_builddir/pccdctl" record --force -o "$recording" -- "$top_builddir/pccdctl" check --url direct: \
+    "$top_builddir/pccdctl" record -o "$recording" -- "$top_builddir/pccdctl" check --url direct: \
         --threads 1 --repeat $(($1 - 1)) "$PCCD_DATA/${ball}92.ply" "$PCCD_DATA/${ball}93.ply" >"$into/log"
     [ $? -eq 1 ] || return # something meets
     for ((turn = 0; turn < turns; turn++)); do

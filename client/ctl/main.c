@@ -18,7 +18,7 @@ static const struct ctl_program program = {
              "pccdd.\n\n",
     .ending =
         "\n\"pccdctl COMMAND --help\" explains a command. What a command writes takes "
-        "the\nplace of a file of its name; \"record\" wants --force for that.\n"
+        "the\nplace of a file of its name.\n"
         "Exit status: 0 when done; 1 when what was looked for is wrong; 2 after "
         "wrong\n"
         "usage; 3 without a daemon; 4 after any other error.\n",

@@ -1,6 +1,7 @@
 /* output.c - the files that commands write. */
 #include "output.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "pccd_types.h"
@@ -32,6 +33,25 @@ int output_close(struct whole_file *file, const char *path, bool is_whole,
         file->to != NULL && is_whole ? output_finish(file, path, error) : PCCD_OK;
     whole_file_discard(file);
     return status;
+}
+
+char *output_name(const char *first, const char *ending)
+{
+    const char *name = tool_base_name(first);
+    const char *dot = strrchr(name, '.');
+    size_t length = strcspn(name, "%"); /* of a pattern what is before its number */
+    char *made = NULL;
+    if (dot != NULL && dot > name && (size_t)(dot - name) < length) {
+        length = (size_t)(dot - name);
+    }
+    while (length > 0 && strchr("._-", name[length - 1]) != NULL) {
+        length--;
+    }
+    bool has_name = length > 0;
+    return asprintf(&made, "%.*s%s", has_name ? (int)length : 4, has_name ? name : "pccd",
+                    ending) < 0
+               ? NULL
+               : made;
 }
 
 bool output_json(json_t *value, bool ok, FILE *to)

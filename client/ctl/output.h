@@ -26,6 +26,11 @@ int output_finish(struct whole_file *file, const char *path, struct ctl_error *e
 int output_close(struct whole_file *file, const char *path, bool is_whole,
                  struct ctl_error *error);
 
+/* Return the name of a file to write whose name nobody gave: that of the first file or
+ * program, without folders, its ending and the number of a pattern, in the current
+ * folder. The caller's to free; NULL: no memory. */
+char *output_name(const char *first, const char *ending);
+
 /* ---- Makes JSON, and prints it. */
 
 /* Return text of any bytes as a string; what is not UTF-8, as a file name may be, is

@@ -118,7 +118,7 @@ class Options(unittest.TestCase):
                 to.writelines(f"v {size * x!r} {size * y!r} {size * z!r}\n"
                               for x, y, z in corners)
                 to.write("f 1 2 3\n")
-            pccdctl("record", "--force", "-o", "size.rec", "--", os.environ["PCCDCTL"],
+            pccdctl("record", "-o", "size.rec", "--", os.environ["PCCDCTL"],
                     "check", "--private", "size.obj", "size.obj", folder=self.made.name)
             for options in ((), ("--round",)):
                 pccdctl("inspect", "size.rec", "-o", "size.html", *options,

@@ -102,7 +102,7 @@ class ThickScene:
             with open(os.path.join(folder, name), "w") as to:
                 lines = UNDER + [line.format(height) for line in ABOVE] + NAMED
                 to.writelines(f"{line}\n" for line in lines)
-        said = pccdctl("record", "--force", "-o", "thick.rec", "--",
+        said = pccdctl("record", "-o", "thick.rec", "--",
                        os.environ["PCCDCTL"], "check", "--json", "--repeat", "0",
                        "--thickness", str(RADIUS), *options, "high.obj", "low.obj",
                        folder=folder).stdout

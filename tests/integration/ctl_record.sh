@@ -45,19 +45,21 @@ report record__says_what_a_ring_cannot_hold
 
 # If it failed, files of an earlier run would pass for parts of a new one, a second client's
 # would be told to nobody, or what is no recording would be removed with them.
-twice() { # OPTION...
+twice() {
     # shellcheck disable=SC2016 # the inner shell expands it
-    timeout 60 "$PCCDCTL" record -o two.rec "$@" -- bash -c '"$0" load --times 2 --socket "$1" \
+    timeout 60 "$PCCDCTL" record -o two.rec -- bash -c '"$0" load --times 2 --socket "$1" \
         frame0.ply frame1.ply & "$0" load --times 2 --socket "$1" frame0.ply frame1.ply; wait' \
         "$PCCDCTL" "$work/s" >>"$log" 2>said
 }
 : >"$log"
 twice && [ "$(grep -c '^pccdctl: two.rec.*2 steps, 2 answers' said)" -eq 2 ] && [ -s two.rec-2 ] &&
     cp two.rec two.rec.1 && cp two.rec two.rec-2.3 && cp two.rec two.rec-old &&
-    echo mine >two.rec-9 && twice --force &&
-    [ "$(echo two.rec*)" = "two.rec two.rec-2 two.rec-9 two.rec-old" ] && ! twice &&
-    grep -q 'force removes it' said &&
-    mkfifo pipe && ! "$PCCDCTL" record --force -o pipe -- true 2>said &&
+    echo mine >two.rec-9 && twice &&
+    [ "$(echo two.rec*)" = "two.rec two.rec-2 two.rec-9 two.rec-old" ] &&
+    [ "$(grep -c '^pccdctl: two.rec.*2 steps, 2 answers' said)" -eq 2 ] &&
+    "$PCCDCTL" record -- "$PCCDCTL" load --times 1 --socket "$work/s" frame0.ply frame1.ply >>"$log" 2>said &&
+    grep -q '^pccdctl: pccdctl.rec: ' said && [ -s pccdctl.rec ] &&
+    mkfifo pipe && ! "$PCCDCTL" record -o pipe -- true 2>said &&
     grep -q 'is not a file' said && [ -p pipe ]
 report record__removes_what_belongs_to_it
 
@@ -330,7 +332,7 @@ status=0
 for wrong in "replay" "replay a b" "replay --steps 3..2 session.rec" "replay --steps 0 session.rec" \
     "replay --pace slow session.rec" "render session.rec -o a.jpg" \
     "render session.rec -o a.png --size 10x10" "export session.rec -o a.obj" "record -o x" \
-    "record -- true" "verify --sample x session.rec"; do
+    "verify --sample x session.rec"; do
     # shellcheck disable=SC2086 # words
     "$PCCDCTL" $wrong >"$log" 2>&1
     [ $? -eq 2 ] && [ -s "$log" ] || { echo "$wrong" >>"$log"; status=1; break; }

@@ -51,9 +51,6 @@ static void check(struct argp_state *state, void *to)
         (export->is_near || !isnan(export->t) || export->path != NULL)) {
         option_misused(state, "--list writes nothing: no -o, --time, --near");
     }
-    if (export->path == NULL && !export->is_list) {
-        option_misused(state, "-o FILE.glb, .vtp or .pvd says what to write");
-    }
 }
 
 #define AT(member) offsetof(struct export, member)
@@ -68,7 +65,8 @@ static const struct option_row rows[] = {
     CTL_OUTPUT,
     {"output", 'o', "FILE",
      "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData; FILE.pvd names a "
-     "FILE_N.vtp of each step N, a time series of ParaView",
+     "FILE_N.vtp of each step N, a time series of ParaView (default: the name of the "
+     "first file, with .glb)",
      OPTION_OWN, .take = take_output},
     {"list", 0, NULL,
      "Write nothing, but print which steps were answered, each with what was recorded of "
@@ -260,8 +258,13 @@ int ctl_cmd_export(int argc, char **argv)
     if (option_parse(&ctl_table_export, argc, argv, &export) != 0) {
         return CTL_USAGE;
     }
+    if (export.path == NULL) {
+        export.path = play_options_output(&export.options, ".glb");
+    }
     const struct snapshot_at at = {.t = isnan(export.t) ? 1 : export.t};
-    int status = play_options_open(&export.options, &error);
+    int status = export.path != NULL
+                     ? play_options_open(&export.options, &error)
+                     : ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
     if (status == PCCD_OK && export.is_list) {
         status = list_steps(&export.options, &error);
     } else if (status == PCCD_OK && export.is_series) {

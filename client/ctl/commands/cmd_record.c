@@ -15,6 +15,7 @@
 
 #include "answers.h"
 #include "ctl.h"
+#include "output.h"
 #include "printable.h"
 #include "reader.h"
 #include "scene.h"
@@ -28,7 +29,7 @@
 struct record_command {
     const char *path;
     uint64_t max_bytes, segments, level;
-    bool has_contacts, is_forced;
+    bool has_contacts;
     uint32_t up; /* 1 x, 2 y, 3 z; 0: not given */
     struct option_arguments program;
 };
@@ -45,9 +46,10 @@ static void check(struct argp_state *state, void *to)
 static const struct option_row rows[] = {
     CTL_OUTPUT,
     {"output", 'o', "FILE",
-     "Where the recording goes; the second client of the program goes to FILE-2, and so "
-     "on",
-     OPTION_TEXT, .at = AT(path), .needed = "-o FILE says where the recording goes"},
+     "Where the recording goes (default: the name of the program, with .rec); the second "
+     "client of the program goes to FILE-2, and so on. Earlier recordings of these names "
+     "are removed",
+     OPTION_TEXT, .at = AT(path)},
     {"contacts", 0, NULL,
      "Record the contacts of the answers, too, so that they can be seen without a daemon",
      OPTION_FLAG, .at = AT(has_contacts)},
@@ -61,12 +63,9 @@ static const struct option_row rows[] = {
      OPTION_U64, .at = AT(level), .min = 0, .max = LEVEL_MAX},
     {"up", 0, "x|y|z", "Say which axis points up, for those who look at the recording",
      OPTION_WORD, .at = AT(up), .min = 1},
-    {"force", 0, NULL,
-     "Remove FILE if it is there, and the recordings FILE-2, FILE.1, ... beside it",
-     OPTION_FLAG, .at = AT(is_forced)},
     {.type = OPTION_ARGUMENTS,
      .at = AT(program),
-     .needed = "which program? pccdctl record -o FILE -- PROGRAM ..."},
+     .needed = "which program? pccdctl record [-o FILE] -- PROGRAM ..."},
     {0}};
 
 const struct option_table ctl_table_record = {
@@ -83,7 +82,7 @@ const struct option_table ctl_table_record = {
             "it; 4 when it ended with 0, and nothing was recorded or a file could "
             "not be written to its end.",
     .examples = "  pccdctl record -o run.rec -- ./simulator\n"
-                "  pccdctl record -o run.rec --force --contacts -- ./simulator 100\n",
+                "  pccdctl record --contacts -- ./simulator 100\n",
 };
 
 static int set_environment(const struct record_command *command)
@@ -202,13 +201,10 @@ static int clear(const struct record_command *command)
     if (is_there && !S_ISREG(info.st_mode) && !S_ISLNK(info.st_mode)) {
         return ctl_complain("%s is not a file", command->path); /* /dev/null */
     }
-    if (is_there && !command->is_forced) {
-        return ctl_complain("%s is there already; --force removes it", command->path);
-    }
     if (is_there && unlink(command->path) != 0) {
         return ctl_complain("%s: %s", command->path, strerror(errno));
     }
-    return command->is_forced ? remove_others(command->path) : CTL_DONE;
+    return remove_others(command->path);
 }
 
 /* The file of a client of the program, from 1; NULL without memory. */
@@ -318,12 +314,16 @@ int ctl_cmd_record(int argc, char **argv)
 {
     char own_program[] = "/proc/self/exe";
     struct record_command command = {.level = LEVEL_UNSET};
+    char *name = NULL;
     if (option_parse(&ctl_table_record, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
     bool was_there[FILES_MAX + 1];
     bool has_run = false;
-    int status = clear(&command);
+    if (command.path == NULL) {
+        command.path = name = output_name(command.program.list[0], ".rec");
+    }
+    int status = command.path != NULL ? clear(&command) : ctl_complain("out of memory");
     if (status == CTL_DONE) {
         status = set_environment(&command);
     }
@@ -338,5 +338,6 @@ int ctl_cmd_record(int argc, char **argv)
         int recorded = report_all(&command, was_there);
         status = status != 0 ? status : recorded; /* the program's error comes first */
     }
+    free(name);
     return status;
 }

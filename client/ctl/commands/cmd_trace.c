@@ -13,6 +13,7 @@
 #define SECONDS_MAX     86400.0
 #define SECONDS_DEFAULT 1.0
 #define STEPS_MAX       1000000000u
+#define PATH_DEFAULT    "pccd-trace.json"
 #define LOOK_NS         20000000 /* between two looks at the clock or at the counters */
 
 struct trace_command {
@@ -40,8 +41,8 @@ static const struct option_row rows[] = {
     CTL_OUTPUT,
     {"output", 'o', "FILE",
      "Where the trace goes; - is the standard output. It opens in Perfetto "
-     "(ui.perfetto.dev) and in chrome://tracing",
-     OPTION_TEXT, .at = AT(trace.path), .needed = "-o FILE says where the trace goes"},
+     "(ui.perfetto.dev) and in chrome://tracing (default: " PATH_DEFAULT ")",
+     OPTION_TEXT, .at = AT(trace.path)},
     {"min-us", 0, "U", "Leave out tasks that took less than U microseconds (default: 0)",
      OPTION_U64, .at = AT(trace.min_us), .min = 0, .max = TRACE_MIN_US_MAX},
     {"events", 0, "N",
@@ -147,7 +148,8 @@ static int record(const struct trace_command *command, struct pccd_client *clien
 
 int ctl_cmd_trace(int argc, char **argv)
 {
-    struct trace_command command = {.query = {.link = {.policy = CTL_LINK_EXISTING}}};
+    struct trace_command command = {.query = {.link = {.policy = CTL_LINK_EXISTING}},
+                                    .trace.path = PATH_DEFAULT};
     struct ctl_error error = {.text = ""};
     struct pccd_client *client = NULL;
     struct sigaction action = {.sa_handler = on_interrupt};

@@ -9,7 +9,7 @@
 #include "ask_options.h"
 #include "ctl.h"
 #include "meshfile.h"
-#include "whole_file.h"
+#include "output.h"
 
 #define STEP_MAX    (1ull << 62)
 #define THREADS_MAX 1024u
@@ -145,21 +145,8 @@ void play_options_deinit(struct play_options *options)
 
 const char *play_options_output(struct play_options *options, const char *ending)
 {
-    const char *name = tool_base_name(options->files.list[0]);
-    const char *dot = strrchr(name, '.');
-    size_t length = strcspn(name, "%"); /* of a pattern what is before its number */
-    if (dot != NULL && dot > name && (size_t)(dot - name) < length) {
-        length = (size_t)(dot - name);
-    }
-    while (length > 0 && strchr("._-", name[length - 1]) != NULL) {
-        length--;
-    }
-    bool has_name = length > 0;
     free(options->output);
-    if (asprintf(&options->output, "%.*s%s", has_name ? (int)length : 4,
-                 has_name ? name : "pccd", ending) < 0) {
-        options->output = NULL;
-    }
+    options->output = output_name(options->files.list[0], ending);
     return options->output;
 }
 
