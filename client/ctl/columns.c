@@ -7,9 +7,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "output.h"
 #include "shown.h"
+#include "terminal.h"
 
 /* ---- Numbers as people read them. */
 
@@ -188,6 +190,25 @@ static uint32_t width_of(const char *text)
         width += ((unsigned char)*text & 0xc0) != 0x80;
     }
     return width;
+}
+
+void columns_text(uint32_t indent, const char *text)
+{
+    uint32_t room, rows, used = indent;
+    terminal_size(STDOUT_FILENO, &room, &rows);
+    while (*text != '\0') {
+        size_t length = strcspn(text, " ");
+        char word[CELL_BYTES];
+        snprintf(word, sizeof word, "%.*s", (int)length, text);
+        uint32_t width = width_of(word);
+        if (used > indent && used + 1 + width > room) {
+            printf("\n%*s", (int)indent, "");
+            used = indent;
+        }
+        used += width + (used > indent ? (uint32_t)printf(" ") : 0);
+        printf("%.*s", (int)length, text);
+        text += length + strspn(text + length, " ");
+    }
 }
 
 void columns_fit(struct column *columns, const void *rows, size_t row_bytes,

@@ -21,6 +21,11 @@ const char *format_ms(double milliseconds);
 /* Return the name of a user, or the number; it lives as long. */
 const char *format_user(uint32_t uid);
 
+/* Print text on the standard output that begins behind `indent` columns of a line: what
+ * the terminal has no room for goes on below, as far to the right. No end of line
+ * follows. */
+void columns_text(uint32_t indent, const char *text);
+
 /* ---- Columns: members of a struct, as a table for people and as JSON for programs. */
 
 /* Type of the member that a column shows, and how people and programs see it. */

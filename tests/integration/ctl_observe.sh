@@ -51,7 +51,7 @@ done
 # If it failed, status would tell of another daemon, or nothing of its last step.
 ctl status && says "^daemon +pccdd [0-9.]+, process $daemon, protocol 1, " '^up for ' \
     '^sessions +2 open' '^scenes +1 with 1 object; 1 mesh; [24] triangles in all$' '^memory +engine .*, shared ' \
-    '^last step +.* by [12] threads?: ingest .* merge ' '^latency +steps p50 < ' '^team +2 threads' &&
+    '^last step +.* by [12] threads?: ingest ' '(^ +|, )merge ' '^latency +steps p50 < ' '^team +2 threads' &&
     ctl status --json && json 'j["pid"] == '"$daemon"' and j["counters"]["sessions_now"] == 2' &&
     json 'j["last_step"]["ns_step"] > 0 and j["steps"]["count"] > 24' &&
     json 'j["steps"]["p50_below_s"] <= j["steps"]["p99_below_s"] and "healthy" in j'
@@ -162,6 +162,14 @@ if command -v script >/dev/null; then
     done
     [ "$what" = meshes ] && on_terminal 80 "$PCCDCTL" list scenes && says '^SESSION +SCENE .*STEPS +CONTACTS'
     report list__fits_the_terminal
+    # If it failed, text beside a number would go on under the numbers of the next line.
+    for what in status stats 'stats --threads' config; do
+        on_terminal 120 "$PCCDCTL" "$what" && fits 120 >>"$log" || break
+        on_terminal 80 "$PCCDCTL" "$what" && [ -s out ] && fits 80 >>"$log" || break
+    done
+    [ "$what" = config ] && says '^step-max-ms +0 +milliseconds .*whose deadline$' '^ {30}has come; 0: as long as it takes$' &&
+        ctl stats --threads && says '^thread .* *[a-z_]+( *\(ms\))?$' && ! grep -E '^.{81}' out
+    report texts__fit_the_terminal
     # If it failed, q would not end it, as it does other programs of that kind.
     printf q | TERM=xterm timeout -k 5 20 script -qec "$PCCDCTL top --interval 60" /dev/null >/dev/null
     report top__ends_with_q
@@ -621,6 +629,7 @@ report commands__have_json_where_a_program_may_read
 ctl demo --steps 3 --output demo.png --json && json 'j["steps"] == 3 and j["incomplete"] == 0' &&
     json 'j["mean_ms"]["step"] > 0 and len(j["hash"]) == 34 and j["hash"][:2] == "2:" and j["picture"] == "demo.png"' &&
     ctl trace -o trace.json --seconds 0.1 --json && json 'j["file"] == "trace.json" and j["lost"] == 0' &&
+    ctl trace --seconds 0.001 && says '^trace +pccd-trace.json: ' && [ -s pccd-trace.json ] &&
     ctl config set log-level warn --json && json 'j["name"] == "log-level" and j["value"] == "warn"'
 # If it failed, a program could not tell what was done.
 report commands__that_make_or_change_something_speak_json

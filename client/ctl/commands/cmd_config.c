@@ -4,11 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "columns.h"
 #include "ctl.h"
 #include "link.h"
 #include "output.h"
 #include "shown.h"
 #include "terminal.h"
+
+#define NAME_COLUMNS  16u
+#define VALUE_COLUMNS 12u
 
 enum what { LIST, GET, SET };
 
@@ -71,9 +75,12 @@ static void add_setting(void *context, const struct pccd_setting *setting)
 static void print_setting(void *context, const struct pccd_setting *setting)
 {
     (void)context;
-    printf("%s%s %s%s %s\n", setting->changed ? terminal_begin(TERMINAL_BOLD) : "",
-           tool_shown_column(setting->name, 16), tool_shown_column(setting->value, 12),
-           setting->changed ? terminal_end() : "", tool_shown(setting->text));
+    printf("%s%s %s%s ", setting->changed ? terminal_begin(TERMINAL_BOLD) : "",
+           tool_shown_column(setting->name, NAME_COLUMNS),
+           tool_shown_column(setting->value, VALUE_COLUMNS),
+           setting->changed ? terminal_end() : "");
+    columns_text(NAME_COLUMNS + VALUE_COLUMNS + 2, tool_shown(setting->text));
+    putchar('\n');
 }
 
 static void print_value(void *context, const struct pccd_setting *setting)

@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "columns.h"
 #include "counters.h"
 #include "ctl.h"
 #include "link.h"
@@ -12,10 +14,12 @@
 #include "printable.h"
 #include "report.h"
 #include "shown.h"
+#include "terminal.h"
 
 /* ---- What each thread of the daemon's last step did. */
 
-#define TRIES 20
+#define TRIES       20
+#define WIDTH_LEAST 10 /* of a column */
 
 struct table {
     struct counters *rows; /* ours, [count]: a thread's in the order of the library */
@@ -122,36 +126,68 @@ static void print_step(FILE *to, const struct table *table)
     }
 }
 
-/* One table of the counters of one kind: a line for each thread. */
+/* Return the columns of a counter of that kind, with the blank before them; *length: of
+ * its name, which says no unit. */
+static int width_of(const char *name, enum kind kind, int *length)
+{
+    *length = (int)strlen(name) - (kind == KIND_TIME ? 3 : 0);
+    return 1 + (*length > WIDTH_LEAST ? *length : WIDTH_LEAST);
+}
+
+/* A line of a table: what a thread did, or its head, from one counter to the last before
+ * `end`. */
+static void print_row(FILE *to, const struct table *table, enum kind kind,
+                      uint32_t thread, uint32_t begin, uint32_t end)
+{
+    bool is_head = thread == table->count;
+    const struct counters *row = &table->rows[is_head ? 0 : thread];
+    if (is_head) {
+        fputs("\nthread", to);
+    } else {
+        fprintf(to, "%6" PRIu32, thread);
+    }
+    for (uint32_t i = begin; i < end; i++) {
+        int length, width;
+        if (kind_of(row, i) != kind) {
+            continue;
+        }
+        width = width_of(row->name[i], kind, &length);
+        if (is_head) {
+            fprintf(to, "%*.*s", width, length, row->name[i]);
+        } else if (kind == KIND_TIME) {
+            fprintf(to, "%*.3f", width, (double)row->value[i] / 1e6);
+        } else {
+            fprintf(to, "%*" PRIu64, width, row->value[i]);
+        }
+    }
+    fputs(is_head && kind == KIND_TIME ? "   (ms)\n" : "\n", to);
+}
+
+/* The counters of one kind: a line for each thread. Those that the terminal has no room
+ * for are another table below. */
 static void print_kind(FILE *to, const struct table *table, enum kind kind)
 {
     const struct counters *first = &table->rows[0];
-    fputs("\nthread", to);
-    for (uint32_t i = 0; i < first->count; i++) {
-        if (kind_of(first, i) == kind) {
-            size_t length = strlen(first->name[i]) - (kind == KIND_TIME ? 3 : 0);
-            fprintf(to, " %*.*s", length > 10 ? (int)length : 10, (int)length,
-                    first->name[i]);
-        }
-    }
-    fputs(kind == KIND_TIME ? "   (ms)\n" : "\n", to);
-    for (uint32_t thread = 0; thread < table->count; thread++) {
-        const struct counters *row = &table->rows[thread];
-        fprintf(to, "%6" PRIu32, thread);
-        for (uint32_t i = 0; i < row->count; i++) {
-            size_t length = strlen(row->name[i]);
-            int width = length > 10 ? (int)length : 10;
-            if (kind_of(row, i) != kind) {
+    uint32_t room, rows, begin = 0;
+    terminal_size(STDOUT_FILENO, &room, &rows);
+    while (begin < first->count) {
+        uint32_t end = begin, used = (uint32_t)strlen("thread   (ms)");
+        bool is_empty = true;
+        for (; end < first->count; end++) {
+            int length;
+            if (kind_of(first, end) != kind) {
                 continue;
             }
-            if (kind == KIND_TIME) {
-                width = length > 13 ? (int)length - 3 : 10;
-                fprintf(to, " %*.3f", width, (double)row->value[i] / 1e6);
-            } else {
-                fprintf(to, " %*" PRIu64, width, row->value[i]);
+            used += (uint32_t)width_of(first->name[end], kind, &length);
+            if (used > room && !is_empty) {
+                break;
             }
+            is_empty = false;
         }
-        fputc('\n', to);
+        for (uint32_t i = 0; i <= table->count && !is_empty; i++) {
+            print_row(to, table, kind, i == 0 ? table->count : i - 1, begin, end);
+        }
+        begin = end;
     }
 }
 
@@ -276,8 +312,9 @@ static void print_list(const struct counters *counters, const char *cpu)
         value_width = value > value_width ? value : value_width;
     }
     for (uint32_t i = 0; i < count + 2; i++) {
-        printf("%-*s  %*s  %s\n", name_width, lines[i].name, value_width, lines[i].value,
-               lines[i].text);
+        printf("%-*s  %*s  ", name_width, lines[i].name, value_width, lines[i].value);
+        columns_text((uint32_t)(name_width + value_width) + 4, lines[i].text);
+        putchar('\n');
     }
 }
 

@@ -1,6 +1,7 @@
 /* cmd_status.c - pccdctl status. */
 #include <inttypes.h>
 #include <jansson.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -77,34 +78,60 @@ static int look(struct pccd_client *client, struct status *status)
 
 /* ---- for people -------------------------------------------------------------------- */
 
+#define HEAD_COLUMNS 11
+
+/* A line that is longer than the terminal goes on below. */
+static void line(const char *head, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void line(const char *head, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    printf("%-*s", HEAD_COLUMNS, head);
+    columns_text(HEAD_COLUMNS, text);
+    putchar('\n');
+}
+
 static void print_step(const struct status *status)
 {
     const struct counters *step = &status->step;
     static const char *const phases[] = {"ingest", "refit", "low", "high", "merge"};
     uint64_t threads = counters_get(step, "threads");
     uint64_t batch = counters_get(step, "batch");
-    char what[32];
-    snprintf(what, sizeof what, "last batch of %" PRIu64, batch);
-    printf("%-10s %s by %" PRIu64 " %s:", batch > 0 ? what : "last step",
-           format_ms((double)counters_get(step, "ns_step") / 1e6), threads,
-           proto_plural(threads, "thread", "threads"));
+    char what[48] = "", parts[160] = "";
+    size_t used = 0;
+    if (batch > 0) {
+        snprintf(what, sizeof what, "of %" PRIu64 " in ", batch);
+    }
     for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {
         char name[32];
         snprintf(name, sizeof name, "ns_%s", phases[i]);
-        printf("%s %s %s", i > 0 ? "," : "", phases[i],
-               format_ms((double)counters_get(step, name) / 1e6));
+        used += (size_t)snprintf(parts + used, sizeof parts - used, "%s %s %s",
+                                 i > 0 ? "," : "", phases[i],
+                                 format_ms((double)counters_get(step, name) / 1e6));
     }
-    putchar('\n');
+    line(batch > 0 ? "last batch" : "last step", "%s%s by %" PRIu64 " %s:%s", what,
+         format_ms((double)counters_get(step, "ns_step") / 1e6), threads,
+         proto_plural(threads, "thread", "threads"), parts);
 }
 
-static void print_quantiles(const char *what, const struct pccd_histogram_info *histogram,
-                            const char *end)
+/* "steps p50 < 1 ms, p99 < 2 ms", or nothing; until the next call. */
+static const char *quantiles_text(const char *what,
+                                  const struct pccd_histogram_info *histogram)
 {
+    static char texts[2][96];
+    static uint32_t next;
+    char *text = texts[next++ % 2];
+    text[0] = '\0';
     if (histogram->count > 0) {
-        printf("%s p50 < %s, p99 < %s%s", what,
-               format_ms(histogram_quantile_s(histogram, 0.5) * 1e3),
-               format_ms(histogram_quantile_s(histogram, 0.99) * 1e3), end);
+        snprintf(text, sizeof texts[0], "%s p50 < %s, p99 < %s", what,
+                 format_ms(histogram_quantile_s(histogram, 0.5) * 1e3),
+                 format_ms(histogram_quantile_s(histogram, 0.99) * 1e3));
     }
+    return text;
 }
 
 static void print_health(const struct health *health)
@@ -113,62 +140,70 @@ static void print_health(const struct health *health)
         printf("health     %sok%s\n", terminal_begin(TERMINAL_GREEN), terminal_end());
     }
     for (uint32_t i = 0; i < health->count; i++) {
-        printf("%s %s%s%s\n", i == 0 ? "health    " : "          ",
-               terminal_begin(TERMINAL_YELLOW), tool_shown(health->text[i]),
-               terminal_end());
+        printf("%-*s%s", HEAD_COLUMNS, i == 0 ? "health" : "",
+               terminal_begin(TERMINAL_YELLOW));
+        columns_text(HEAD_COLUMNS, tool_shown(health->text[i]));
+        printf("%s\n", terminal_end());
     }
+}
+
+static void print_team(const struct status *status)
+{
+    const struct counters *c = &status->counters;
+    uint64_t processors = counters_get(c, "processors");
+    uint64_t allowed = counters_get(c, "processors_allowed");
+    char few[96] = "";
+    if (processors < allowed) {
+        snprintf(few, sizeof few,
+                 "; on %" PRIu64 " of %" PRIu64 " processors: pccdctl doctor tells why",
+                 processors, allowed);
+    }
+    line("team", "%" PRIu32 " %s at most%s%s", status->daemon.threads_max,
+         proto_plural(status->daemon.threads_max, "thread", "threads"),
+         counters_get(c, "threads_bound") != 0 ? ", each bound to a processor" : "", few);
 }
 
 static void print(const struct status *status)
 {
     const struct counters *c = &status->counters;
+    bool has_resident = status->resident_bytes > 0;
 #define COUNT(name)           format_count((double)counters_get(c, name))
 #define WORD(name, one, many) proto_plural(counters_get(c, name), one, many)
-    printf("daemon     %s, process %" PRIu32 ", protocol %" PRIu32 ", %s\n",
-           tool_shown(status->daemon.name), status->daemon.pid, status->daemon.version,
-           tool_shown(status->daemon.cpu));
-    printf("socket     %s\n", tool_shown(status->url));
-    printf("up for     %s\n", format_span(counters_get(c, "uptime_ns")));
-    printf(
-        "sessions   %s open (%s %s for %s), %s since the start; %s refused, %s dropped\n",
-        COUNT("sessions_now"), COUNT("sessions_waiting_now"),
-        WORD("sessions_waiting_now", "waits", "wait"),
-        WORD("sessions_waiting_now", "its client", "their clients"),
-        COUNT("sessions_total"), COUNT("sessions_refused"), COUNT("sessions_dropped"));
-    printf("scenes     %s with %s %s; %s %s; %s %s in all\n", COUNT("scenes_now"),
-           COUNT("objects_now"), WORD("objects_now", "object", "objects"),
-           COUNT("meshes_now"), WORD("meshes_now", "mesh", "meshes"),
-           COUNT("triangles_now"), WORD("triangles_now", "triangle", "triangles"));
-    printf("memory     engine %s, shared %s",
-           format_bytes((double)counters_get(c, "engine_bytes_now")),
-           format_bytes((double)counters_get(c, "shm_bytes_now")));
-    if (status->resident_bytes > 0) {
-        printf(", process %s resident", format_bytes((double)status->resident_bytes));
-    }
-    printf("\nsteps      %s answered, %s of them incomplete; %s %s; %s %s\n",
-           COUNT("steps"), COUNT("steps_incomplete"), COUNT("contacts"),
-           WORD("contacts", "contact", "contacts"), COUNT("jobs_queued_now"),
-           WORD("jobs_queued_now", "request waits", "requests wait"));
+    line("daemon", "%s, process %" PRIu32 ", protocol %" PRIu32 ", %s",
+         tool_shown(status->daemon.name), status->daemon.pid, status->daemon.version,
+         tool_shown(status->daemon.cpu));
+    line("socket", "%s", tool_shown(status->url));
+    line("up for", "%s", format_span(counters_get(c, "uptime_ns")));
+    line("sessions", "%s open (%s %s for %s), %s since the start; %s refused, %s dropped",
+         COUNT("sessions_now"), COUNT("sessions_waiting_now"),
+         WORD("sessions_waiting_now", "waits", "wait"),
+         WORD("sessions_waiting_now", "its client", "their clients"),
+         COUNT("sessions_total"), COUNT("sessions_refused"), COUNT("sessions_dropped"));
+    line("scenes", "%s with %s %s; %s %s; %s %s in all", COUNT("scenes_now"),
+         COUNT("objects_now"), WORD("objects_now", "object", "objects"),
+         COUNT("meshes_now"), WORD("meshes_now", "mesh", "meshes"),
+         COUNT("triangles_now"), WORD("triangles_now", "triangle", "triangles"));
+    line("memory", "engine %s, shared %s%s%s%s",
+         format_bytes((double)counters_get(c, "engine_bytes_now")),
+         format_bytes((double)counters_get(c, "shm_bytes_now")),
+         has_resident ? ", process " : "",
+         has_resident ? format_bytes((double)status->resident_bytes) : "",
+         has_resident ? " resident" : "");
+    line("steps", "%s answered, %s of them incomplete; %s %s; %s %s", COUNT("steps"),
+         COUNT("steps_incomplete"), COUNT("contacts"),
+         WORD("contacts", "contact", "contacts"), COUNT("jobs_queued_now"),
+         WORD("jobs_queued_now", "request waits", "requests wait"));
 #undef WORD
 #undef COUNT
     if (status->has_step) {
         print_step(status);
     }
     if (status->has_histograms && status->requests.count > 0) {
-        printf("latency    ");
-        print_quantiles("steps", &status->steps, "; ");
-        print_quantiles("requests", &status->requests, "\n");
+        const char *steps = quantiles_text("steps", &status->steps);
+        line("latency", "%s%s%s", steps, steps[0] != '\0' ? "; " : "",
+             quantiles_text("requests", &status->requests));
     }
-    printf("team       %" PRIu32 " %s at most%s", status->daemon.threads_max,
-           proto_plural(status->daemon.threads_max, "thread", "threads"),
-           counters_get(c, "threads_bound") != 0 ? ", each bound to a processor" : "");
-    uint64_t processors = counters_get(c, "processors");
-    uint64_t allowed = counters_get(c, "processors_allowed");
-    if (processors < allowed) {
-        printf("; on %" PRIu64 " of %" PRIu64 " processors: pccdctl doctor tells why",
-               processors, allowed);
-    }
-    putchar('\n');
+    print_team(status);
     print_health(&status->health);
 }
 
