@@ -24,20 +24,22 @@ struct place_feature {
  * distance happens. Parameters of records are floats and times lower bounds: each is
  * within 2^-22 of the feature's size, and what moves in toi_hi - toi, of where they
  * touch; doubles add less than 2^-50 of the coordinates. A vertex is where its motion has
- * it at that time, rounded twice. Not EF, which has no parameters for it. */
-static inline void place_find(enum pccd_kind kind, const float param[2],
+ * it at that time, rounded twice. Of EF both are the point of the edge. */
+static inline void place_find(uint32_t kind, const float param[2],
                               const struct place_feature features[2], double t,
                               double at[2][3])
 {
+    const bool is_crossing = kind == PCCD_EF;
     double w[2][3];
-    common_contact_weights(kind, param, w);
+    common_contact_weights(is_crossing ? PCCD_EE : (enum pccd_kind)kind, param, w);
     for (int side = 0; side < 2; side++) {
-        const struct place_feature *feature = &features[side];
+        const int from_side = is_crossing ? 0 : side;
+        const struct place_feature *feature = &features[from_side];
         for (int k = 0; k < 3; k++) {
             at[side][k] = 0;
-            for (uint32_t i = 0; i < common_kinds[kind].points[side]; i++) {
+            for (uint32_t i = 0; i < common_kinds[kind].points[from_side]; i++) {
                 double from = feature->from[i][k], to = feature->to[i][k];
-                at[side][k] += w[side][i] * (t < 1 ? from + t * (to - from) : to);
+                at[side][k] += w[from_side][i] * (t < 1 ? from + t * (to - from) : to);
             }
         }
     }

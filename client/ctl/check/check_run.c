@@ -217,9 +217,9 @@ static void find_first(const struct pccd_answer *page, struct pccd_contact *firs
     }
 }
 
-/* Say where the earliest contact is. */
-static int place_first(struct check_run *run, const struct scene *files, uint32_t number,
-                       const struct pccd_contact *contact, struct report_first *first)
+int check_run_place(struct check_run *run, const struct scene *files, uint32_t number,
+                    const struct pccd_contact *contact, struct report_first *first,
+                    struct ctl_error *error)
 {
     const uint32_t handles[2] = {contact->object_a, contact->object_b};
     const uint32_t features[2] = {contact->feature_a, contact->feature_b};
@@ -227,7 +227,7 @@ static int place_first(struct check_run *run, const struct scene *files, uint32_
     double at[2][3];
     *first = (struct report_first){
         .kind = contact->kind, .toi = contact->toi, .toi_hi = contact->toi_hi};
-    if (contact->kind >= PCCD_KIND_COUNT) {
+    if (contact->kind >= COMMON_KIND_COUNT) {
         return PCCD_OK; /* of a newer daemon */
     }
     for (uint32_t side = 0; side < 2; side++) {
@@ -238,7 +238,7 @@ static int place_first(struct check_run *run, const struct scene *files, uint32_
                          : scene_feature(&files->objects[place], run->client, number,
                                          points, features[side], &ends[side]);
         if (status != PCCD_OK) {
-            return status;
+            return check_run_fail(run, status, "no place", error);
         }
         first->part[side] = REPORT_NO_PART;
         if (run->objects != NULL) {
@@ -248,8 +248,7 @@ static int place_first(struct check_run *run, const struct scene *files, uint32_
         first->feature[side] = points == 2 ? ends[side].corners[0] : features[side];
         first->other[side] = points == 2 ? ends[side].corners[1] : 0;
     }
-    place_find((enum pccd_kind)contact->kind, contact->param, ends, place_time(contact),
-               at);
+    place_find(contact->kind, contact->param, ends, place_time(contact), at);
     first->x = at[1][0];
     first->y = at[1][1];
     first->z = at[1][2];
@@ -295,9 +294,7 @@ int check_run_step(struct check_run *run, const struct scene *files, uint32_t nu
                      : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     free(motion.motions);
     if (status == PCCD_OK && first.toi <= 1) {
-        status = place_first(run, files, number, &first, &step->first);
-        status =
-            status == PCCD_OK ? PCCD_OK : check_run_fail(run, status, "no place", error);
+        status = check_run_place(run, files, number, &first, &step->first, error);
     }
     if (status != PCCD_OK || run->objects == NULL) {
         return status;

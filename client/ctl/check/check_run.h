@@ -76,6 +76,9 @@ struct contacts_csv {
 uint32_t csv_vertices(FILE *to, uint32_t points, uint32_t feature,
                       const struct pccd_edge *edges, const uint32_t (*triangles)[3]);
 
+/* Write a comma, and the shortest decimals that are read as the same number. */
+void csv_number(FILE *to, double x);
+
 /* Open and write the header. Errors: E_SYSTEM. */
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error);
 /* Append the records of a page; `step` counts from 1. vf: the vertex, then the triangle's
@@ -116,6 +119,12 @@ int check_run_tell(struct check_run *run, const struct scene *files,
 int check_run_step(struct check_run *run, const struct scene *files, uint32_t number,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error);
+
+/* Say where a record lies, with the numbers of its parts if run->objects is there. One of
+ * a newer daemon, of another kind, has no place. Errors: those of pccd_mesh_edges. */
+int check_run_place(struct check_run *run, const struct scene *files, uint32_t number,
+                    const struct pccd_contact *contact, struct report_first *first,
+                    struct ctl_error *error);
 
 /* Make once more the step that was made last, whose frames are still read: all its
  * records are fetched, and given back. */

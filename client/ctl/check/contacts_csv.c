@@ -78,8 +78,7 @@ static void print_name(FILE *file, const char *name)
     fputs(is_quoted ? "\"" : "", file);
 }
 
-/* A comma, and the shortest decimals that are read as the same number. */
-static void print_number(FILE *to, double x)
+void csv_number(FILE *to, double x)
 {
     char text[32];
     int digits = 15;
@@ -92,7 +91,7 @@ static void print_number(FILE *to, double x)
 /* The point of the second feature when they meet, or that of both and the normal; empty
  * where there is no place. */
 static void print_place(const struct contacts_csv *csv, uint32_t step,
-                           const struct pccd_contact *contact)
+                        const struct pccd_contact *contact)
 {
     FILE *to = csv->whole.to;
     struct scene *scene = csv->scene;
@@ -112,13 +111,12 @@ static void print_place(const struct contacts_csv *csv, uint32_t step,
         fputs(csv->has_geometry ? ",,,,,,,,," : ",,,", to);
         return;
     }
-    place_find((enum pccd_kind)contact->kind, contact->param, ends, place_time(contact),
-               at);
+    place_find(contact->kind, contact->param, ends, place_time(contact), at);
     for (uint32_t i = csv->has_geometry ? 0 : 3; i < 6; i++) {
-        print_number(to, at[i / 3][i % 3]);
+        csv_number(to, at[i / 3][i % 3]);
     }
     for (uint32_t k = 0; csv->has_geometry && k < 3; k++) {
-        print_number(to, (double)contact->normal[k]);
+        csv_number(to, (double)contact->normal[k]);
     }
 }
 

@@ -259,15 +259,14 @@ static void print_touching(FILE *to, const struct pccd_answer *answer)
     }
 }
 
-/* ": vertex 3 of "cloth" meets face 12 of "ball" at (0.2, 0.2, 0)" */
-static void print_place(FILE *to, const struct report_scene *scene,
+void report_print_place(FILE *to, const char *head, const char *verb,
+                        const struct report_scene *scene,
                         const struct report_first *first)
 {
-    static const char *const before[] = {": ", " meets "};
     for (int side = 0; side < 2 && first->is_known; side++) {
         uint32_t points = common_kinds[first->kind].points[side];
-        fprintf(to, "%s%s %" PRIu32, before[side], common_feature_names[points],
-                first->feature[side]);
+        fprintf(to, "%s%s %" PRIu32, side == 0 ? head : verb,
+                common_feature_names[points], first->feature[side]);
         if (points == 2) {
             fprintf(to, "-%" PRIu32, first->other[side]);
         }
@@ -286,7 +285,7 @@ static void print_first(FILE *to, const struct report_scene *scene,
     const struct pccd_answer *answer = &step->answer;
     if (answer->toi_first < NO_TOI) {
         fprintf(to, "first at   t = %.9g", answer->toi_first);
-        print_place(to, scene, &step->first);
+        report_print_place(to, ": ", " meets ", scene, &step->first);
         fputc('\n', to);
     } else if (answer->crossings > 0) {
         fputs("first at   the start, where it is crossed\n", to);
@@ -485,7 +484,7 @@ void report_print_line(FILE *to, const struct report_scene *scene, uint32_t numb
     fprintf(to, ", %" PRIu64 " possible)", answer->possible);
     if (answer->toi_first < NO_TOI) {
         fprintf(to, ", first at %.9g", answer->toi_first);
-        print_place(to, scene, &step->first);
+        report_print_place(to, ": ", " meets ", scene, &step->first);
     }
     if (answer->crossings > 0) {
         fprintf(to, ", begins crossed %" PRIu64 " %s", answer->crossings,

@@ -96,6 +96,11 @@ void report_print_notes(FILE *to, const struct ctl_frames *files);
 /* Print a step, long; report_print_line: as one line. */
 void report_print_step(FILE *to, const struct report_scene *scene,
                        const struct report_step *step);
+/* Print a place that is known, as "HEADvertex 3 of "cloth"VERBface 12 of "ball" at (0.2,
+ * 0.2, 0)". */
+void report_print_place(FILE *to, const char *head, const char *verb,
+                        const struct report_scene *scene,
+                        const struct report_first *first);
 /* Print the end of the report of any answer: whether it is complete, its hash, work and
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
@@ -121,6 +126,11 @@ void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok);
 
 /* Return the objects as an array of files and counts. */
 json_t *report_objects(const struct report_scene *scene, bool *ok);
+
+/* Return a place, null if it is not known: of both sides the name of the object, if it
+ * has one, the feature and its number, of an edge its vertices; then the point. */
+json_t *report_place(const struct report_scene *scene, const struct report_first *first,
+                     bool *ok);
 
 /* Set in `object` how many records of each kind there are, under the kind's name. */
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);

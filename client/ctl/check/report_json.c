@@ -193,10 +193,8 @@ static json_t *pairs_array(const struct report_scene *scene,
     return array;
 }
 
-/* Return the earliest contact: of both sides the name of the object, if it has one, the
- * feature and its number, of an edge its vertices; then the point. */
-static json_t *first_object(const struct report_scene *scene,
-                            const struct report_first *first, bool *ok)
+json_t *report_place(const struct report_scene *scene, const struct report_first *first,
+                     bool *ok)
 {
     static const char *const sides[] = {"a", "b"};
     if (!first->is_known) {
@@ -236,7 +234,7 @@ static void add_step(json_t *object, const struct report_scene *scene,
         json_set(object, "verdict", mode_text(common_verdict_name(answer->verdict)), ok);
     }
     set_toi(object, answer->toi_first, ok);
-    json_set(object, "first", first_object(scene, &step->first, ok), ok);
+    json_set(object, "first", report_place(scene, &step->first, ok), ok);
     json_set(object, "safe_step", json_real(answer->safe_step), ok);
     json_set_count(object, "inside", answer->inside, ok);
     json_set(object, "crowded", json_boolean(answer->crowded), ok);

@@ -19,11 +19,12 @@ const struct option_table ctl_table_near = {
             "one mesh is in another. Each file, PLY, OBJ, STL or glTF, is an object "
             "of its own. Objects are compared with each other, and each with itself "
             "except for features that share a vertex.",
-    .more = "Without --url, --socket and $PCCD_URL a private daemon is started. CSV "
-            "columns: kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of "
-            "vertices object,vertex,bound. Exit status: 0 when done (the report says "
-            "what was found, and whether the answer is complete), 2 after wrong "
-            "usage, 3 without a daemon, 4 after any other error.",
+    .more =
+        "Without --url, --socket and $PCCD_URL a private daemon is started. CSV "
+        "columns: kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz,x,y,z; of "
+        "vertices object,vertex,bound. Exit status: 0 when done (the report says "
+        "what was found, and whether the answer is complete), 2 after wrong "
+        "usage, 3 without a daemon, 4 after any other error.",
     .examples = "  pccdctl near --distance 0.01 a.obj b.obj\n"
                 "  pccdctl near --what depth a.stl b.stl\n",
 };
@@ -76,7 +77,7 @@ static int run_near(const struct command *command)
                             .scene = {.settings = &asked->object,
                                       .frames = &asked->frames,
                                       .first_alone = true}};
-    struct near_csv csv = {.path = asked->csv, .near = &near};
+    struct near_csv csv = {.path = asked->csv, .near = &near, .has_place = true};
     FILE *to = ask_report_to(asked);
     int status = ask(&near, command, &csv, &error);
     if (status == PCCD_OK && !asked->is_json) {

@@ -26,6 +26,11 @@ static bool sort_objects(struct near_csv *csv)
     return csv->order != NULL;
 }
 
+static bool has_place(const struct near_csv *csv)
+{
+    return csv->has_place && csv->near->settings.what != PCCD_NEAR_VERTICES;
+}
+
 int near_csv_open(struct near_csv *csv, struct ctl_error *error)
 {
     if (csv->path == NULL) {
@@ -36,10 +41,11 @@ int near_csv_open(struct near_csv *csv, struct ctl_error *error)
     }
     int status = output_open(&csv->whole, csv->path, true, error);
     if (status == PCCD_OK) {
-        fputs(csv->near->settings.what == PCCD_NEAR_VERTICES
-                  ? "object,vertex,bound\n"
-                  : "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz\n",
-              csv->whole.to);
+        fprintf(csv->whole.to, "%s%s\n",
+                csv->near->settings.what == PCCD_NEAR_VERTICES
+                    ? "object,vertex,bound"
+                    : "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz",
+                has_place(csv) ? ",x,y,z" : "");
     }
     return status;
 }
@@ -49,6 +55,31 @@ static uint32_t print_vertices(FILE *to, const struct scene_object *object,
 {
     return csv_vertices(to, points, feature, object->edges,
                         (const uint32_t(*)[3])object->files.mesh.triangles.vertices);
+}
+
+/* The point of b; empty where there is none. */
+static void print_place(const struct near_csv *csv, const struct pccd_near *record,
+                        uint32_t a, uint32_t b)
+{
+    struct near_run *near = csv->near;
+    struct scene_object *objects = near->scene.objects;
+    const uint32_t *points = common_kinds[record->kind].points;
+    struct place_feature ends[2];
+    double at[2][3];
+    if (!has_place(csv)) {
+        return;
+    }
+    if (scene_feature(&objects[a], near->run.client, 0, points[0], record->feature_a,
+                      &ends[0]) != PCCD_OK ||
+        scene_feature(&objects[b], near->run.client, 0, points[1], record->feature_b,
+                      &ends[1]) != PCCD_OK) {
+        fputs(",,,", csv->whole.to);
+        return;
+    }
+    place_find(record->kind, record->param, ends, 0, at);
+    for (int k = 0; k < 3; k++) {
+        csv_number(csv->whole.to, at[1][k]);
+    }
 }
 
 static void print_record(const struct near_csv *csv, const struct pccd_near *record)
@@ -61,7 +92,8 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
     if (record->kind >= COMMON_KIND_COUNT || a == near->scene.object_count ||
         b == near->scene.object_count) {
         /* Of a newer daemon. */
-        fprintf(to, "%" PRIu32 ",,,,,,,,,,,,,,,,\n", record->kind);
+        fprintf(to, "%" PRIu32 ",,,,,,,,,,,,,,,,%s\n", record->kind,
+                has_place(csv) ? ",,," : "");
         return;
     }
     const uint32_t *points = common_kinds[record->kind].points;
@@ -74,9 +106,11 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
         fputc(',', to);
     }
     fprintf(to, ",%.17g,%.17g,%" PRIu32, record->d_lo, record->d_hi, record->count);
-    fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g\n", (double)record->param[0],
+    fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g", (double)record->param[0],
             (double)record->param[1], (double)record->direction[0],
             (double)record->direction[1], (double)record->direction[2]);
+    print_place(csv, record, a, b);
+    fputc('\n', to);
 }
 
 /* Bounds of a page, whose first is number page->first of all objects' vertices. */

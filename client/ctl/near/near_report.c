@@ -66,6 +66,18 @@ static void print_question(FILE *to, const struct near_run *near)
     print_kinds(to, answer);
 }
 
+/* A line, if it is known: "nearest    vertex 0 of "a" and face 3 of "b" at (...)". */
+static void print_place(FILE *to, const struct near_run *near, const char *head,
+                        const struct report_first *place)
+{
+    char text[16];
+    if (place->is_known) {
+        snprintf(text, sizeof text, "%-11s", head);
+        report_print_place(to, text, " and ", &near->run.told, place);
+        fputc('\n', to);
+    }
+}
+
 static void print_found(FILE *to, const struct near_run *near)
 {
     enum pccd_near_what what = near->settings.what;
@@ -76,18 +88,24 @@ static void print_found(FILE *to, const struct near_run *near)
     if (what != PCCD_NEAR_NEAREST) {
         fprintf(to, "crossings  %" PRIu64 "\n", answer->crossings);
     }
+    if (what == PCCD_NEAR_CROSSINGS) {
+        print_place(to, near, "where", &near->step.first);
+    }
     if (near->has_touching) {
         const struct pccd_answer *touching = &near->touching.answer;
         fprintf(to, "touching   %" PRIu64 " %s at distance 0%s", touching->total,
                 proto_plural(touching->total, "pair", "pairs"),
                 near->touching.is_complete ? "" : ", INCOMPLETE");
         print_kinds(to, touching);
+        print_place(to, near, "where", &near->touching.first);
     }
     if (what == PCCD_NEAR_DEPTH) {
         fprintf(to, "depth      %.9g\n", answer->distance_max);
+        print_place(to, near, "deepest", &near->step.first);
     } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
         fprintf(to, "distance   %.9g to %.9g\n", answer->distance_min,
                 answer->distance_max);
+        print_place(to, near, "nearest", &near->step.first);
     }
 }
 
@@ -127,6 +145,8 @@ static json_t *touching_json(const struct near_run *near, bool *ok)
     json_t *object = json_object();
     json_set_count(object, "total", near->touching.answer.total, ok);
     report_kinds(object, near->touching.answer.counts, ok);
+    json_set(object, "place", report_place(&near->run.told, &near->touching.first, ok),
+             ok);
     json_set(object, "complete", json_boolean(near->touching.is_complete), ok);
     return object;
 }
@@ -159,6 +179,7 @@ bool near_report_json(FILE *to, const struct near_run *near)
                  ? json_null()
                  : json_integer((json_int_t)answer->crossings),
              &ok);
+    json_set(all, "place", report_place(&near->run.told, &near->step.first, &ok), &ok);
     json_set(all, "touching", touching_json(near, &ok), &ok);
     json_set(all, "verdict", json_string(verdict_name(answer)), &ok);
     report_json_rest(all, near->run.told.build_ms, &near->step, &ok);

@@ -1,10 +1,15 @@
 /* near_run.c - meshes in a daemon, and what is near there. */
 #include "near_run.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 struct question {
     const struct near_run *near;
-    void (*page)(void *context, const struct pccd_answer *page);
+    void (*page)(void *context, const struct pccd_answer *page); /* or NULL */
     void *context;
+    struct pccd_near shown; /* the nearest record so far, or the deepest; .. */
+    double distance;        /* .. its own, INFINITY before the first */
 };
 
 static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
@@ -18,8 +23,53 @@ static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
 
 static void show_page(void *context, const struct pccd_answer *page)
 {
-    const struct question *question = context;
-    question->page(question->context, page);
+    struct question *question = context;
+    bool is_depth = question->near->settings.what == PCCD_NEAR_DEPTH;
+    for (uint64_t i = 0; page->near != NULL && i < page->count; i++) {
+        double distance = is_depth ? -page->near[i].d_hi : page->near[i].d_lo;
+        if (distance < question->distance) {
+            question->distance = distance;
+            question->shown = page->near[i];
+        }
+    }
+    if (question->page != NULL) {
+        question->page(question->context, page);
+    }
+}
+
+/* Name the objects by themselves, so that a place can. */
+static int name_objects(struct near_run *near, struct ctl_error *error)
+{
+    near->names = calloc(near->scene.object_count, sizeof *near->names);
+    for (uint32_t i = 0; near->names != NULL && i < near->scene.object_count; i++) {
+        near->names[i] = near->scene.objects[i].name;
+    }
+    near->run.told.names = near->names;
+    return near->names != NULL ? PCCD_OK
+                               : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+}
+
+/* Say where the record is that is shown. */
+static int find_place(struct near_run *near, const struct question *question,
+                      struct report_first *place, struct ctl_error *error)
+{
+    const struct pccd_near *record = &question->shown;
+    const struct pccd_contact contact = {.kind = record->kind,
+                                         .object_a = record->object_a,
+                                         .object_b = record->object_b,
+                                         .feature_a = record->feature_a,
+                                         .feature_b = record->feature_b,
+                                         .param = {record->param[0], record->param[1]}};
+    if (isinf(question->distance)) {
+        return PCCD_OK;
+    }
+    int status = near->names == NULL ? name_objects(near, error) : PCCD_OK;
+    if (status == PCCD_OK) {
+        status = check_run_place(&near->run, &near->scene, 0, &contact, place, error);
+    }
+    place->part[0] = scene_place_of(&near->scene, record->object_a);
+    place->part[1] = scene_place_of(&near->scene, record->object_b);
+    return status;
 }
 
 bool near_asks_touching(const struct near_run *near, struct pccd_near_settings *settings)
@@ -63,15 +113,23 @@ int near_run_ask(struct near_run *near,
                  void (*page)(void *context, const struct pccd_answer *page),
                  void *context, struct ctl_error *error)
 {
-    struct question question = {near, page, context};
+    struct question question = {
+        .near = near, .page = page, .context = context, .distance = INFINITY};
     const struct check_ask ask = {.once = ask_once,
-                                  .page = page != NULL ? show_page : NULL,
+                                  .page = show_page,
                                   .failed = "it was not answered",
                                   .context = &question};
     struct pccd_near_settings touching;
     int status = check_run_repeat(&near->run, &ask, 1, &near->step, error);
+    if (status == PCCD_OK) {
+        status = find_place(near, &question, &near->step.first, error);
+    }
     if (status == PCCD_OK && near_asks_touching(near, &touching)) {
+        question.distance = INFINITY;
         status = ask_touching(near, &ask, &touching, error);
+        if (status == PCCD_OK) {
+            status = find_place(near, &question, &near->touching.first, error);
+        }
     }
     if (status != PCCD_OK) {
         scene_name_objects(&near->scene, error);
@@ -82,5 +140,6 @@ int near_run_ask(struct near_run *near,
 void near_run_deinit(struct near_run *near)
 {
     scene_close(&near->scene);
+    free(near->names);
     check_run_deinit(&near->run);
 }

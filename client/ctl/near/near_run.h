@@ -40,7 +40,9 @@ struct near_run {
     struct check_run run;               /* client and repeats are the caller's */
     struct pccd_near_settings settings; /* the caller's */
     struct scene scene;                 /* ours; first_alone */
-    struct report_step step;            /* the answer; no names of files */
+    char **names;                       /* ours: of the scene's objects; or NULL */
+    struct report_step step;            /* the answer, and the place of the nearest
+                                           record, or of the deepest; no names of files */
     bool has_touching;           /* asked for crossings, and something intersects .. */
     struct report_step touching; /* .. the pairs at distance 0 then */
 };
@@ -70,13 +72,15 @@ bool near_report_json(FILE *to, const struct near_run *near);
 
 /* ---- Writes what is near as CSV (`pccdctl near --csv FILE`).
  *
- * Write kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices:
+ * Write kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz,x,y,z; of vertices:
  * object,vertex,bound. Objects are numbers of files, from 1; vertices are numbered from 0
- * in file order; u and v are the record's param, nx, ny and nz its direction. */
+ * in file order; u and v are the record's param, nx, ny and nz its direction; x, y and z
+ * are the point of b, which has_place false leaves out. */
 
 struct near_csv {
     const char *path; /* "-": the standard output; NULL: nothing is to be written */
-    const struct near_run *near;
+    struct near_run *near;
+    bool has_place; /* positions are here */
     struct whole_file whole;
     uint32_t *order; /* ours: places of objects, by handle; of vertices */
 };

@@ -716,7 +716,7 @@ bool recorded_near_line(const struct registry_scene *scene, const struct pccd_ne
     if (near->kind == PCCD_EF) {
         memcpy(ends, end == 0 ? of[0].from : of[0].to, 6 * sizeof(double));
     } else {
-        place_find((enum pccd_kind)near->kind, near->param, of, end, ends);
+        place_find(near->kind, near->param, of, end, ends);
     }
     return true;
 }

@@ -216,7 +216,7 @@ static void find_touch(const struct play_step *step, const struct pccd_contact *
         stand_at(objects[side], &step->joints, common_kinds[contact->kind].points[side],
                  t, &ends[side]);
     }
-    place_find((enum pccd_kind)contact->kind, contact->param, ends, t, at);
+    place_find(contact->kind, contact->param, ends, t, at);
 }
 
 /* Find where the second feature is touched. Return false for a record that makes no

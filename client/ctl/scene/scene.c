@@ -457,9 +457,6 @@ static int place(struct scene *scene, struct scene_object *object,
         status = pccd_object_set(client, handle, object->handle, &object->settings);
     }
     scene->build_ms += (double)(common_now_ns() - begin_ns) / 1e6;
-    if (scene->first_alone) {
-        ctl_mesh_deinit(&object->at[0]);
-    }
     if (status == PCCD_OK && with_edges) {
         status = scene_edges(object, client);
     }

@@ -29,8 +29,8 @@ const struct option_table program_table_near = {
     .arguments = "MESH [MESH...]",
     .text =
         "Tell what is near where meshes stand, by all ranks of an MPI program. Files, "
-        "options, output and exit status are those of pccdctl near; every rank has "
-        "to be able to read the files.",
+        "options, output and exit status are those of pccdctl near, without places "
+        "of records; every rank has to be able to read the files.",
     .examples = "  mpirun -n 4 pccd-mpi near --distance 0.01 a.obj b.obj\n"
                 "  mpirun -n 4 pccd-mpi near --what nearest --json a.ply b.ply\n"};
 
