@@ -9,7 +9,7 @@
 #include "ctl.h"
 #include "http.h"
 #include "link.h"
-#include "shown.h"
+#include "printable.h"
 
 struct metrics_options {
     struct ctl_link link;
@@ -74,6 +74,14 @@ static void print_escaped(FILE *to, const char *text, bool is_label)
         }
         putc(*text == '\n' ? ' ' : *text, to);
     }
+}
+
+/* Print the value of a label, safe for a terminal, too. */
+static void print_label(FILE *to, const char *text)
+{
+    char shown[1024];
+    proto_printable(text, strlen(text), shown, sizeof shown);
+    print_escaped(to, shown, true);
 }
 
 /* Help texts are part of the interface: of two files with one metric and different texts
@@ -252,9 +260,9 @@ static int print_all(FILE *to, struct pccd_client *client)
     }
     print_head(to, "pccd_daemon_info", "gauge", "what runs; always 1");
     fprintf(to, "pccd_daemon_info{name=\"");
-    print_escaped(to, tool_shown(daemon.name), true);
+    print_label(to, daemon.name);
     fprintf(to, "\",cpu=\"");
-    print_escaped(to, tool_shown(daemon.cpu), true);
+    print_label(to, daemon.cpu);
     fprintf(to, "\"} 1\n");
     print_counters(to, &counters);
     status = pccd_config_get(client, NULL, print_setting, to);
@@ -273,8 +281,7 @@ static int print_all(FILE *to, struct pccd_client *client)
  * again is found. */
 static unsigned answer(void *context, const char *url, FILE *to)
 {
-    const struct ctl_link *link = context;
-    struct pccd_options asked;
+    const struct pccd_options *asked = context;
     struct pccd_client *client = NULL;
     uint64_t round_trip_ns;
     bool is_health = strcmp(url, "/health") == 0;
@@ -282,8 +289,7 @@ static unsigned answer(void *context, const char *url, FILE *to)
         fputs("there are /metrics and /health\n", to);
         return HTTP_NOT_FOUND;
     }
-    ctl_link_options(link, &asked);
-    int status = pccd_connect(&asked, &client);
+    int status = pccd_connect(asked, &client);
     if (status == PCCD_OK) {
         status = is_health ? pccd_ping(client, &round_trip_ns) : print_all(to, client);
     }
@@ -307,7 +313,9 @@ int ctl_cmd_metrics(int argc, char **argv)
         return CTL_USAGE;
     }
     if (options.path != NULL) {
-        int status = http_serve(options.path, answer, &options.link);
+        struct pccd_options asked;
+        ctl_link_options(&options.link, &asked);
+        int status = http_serve(options.path, answer, &asked);
         ctl_link_deinit(&options.link);
         return status;
     }

@@ -1,7 +1,8 @@
 /* http.c - answers HTTP on a Unix socket, by libmicrohttpd.
  *
  * That library is loaded when it is needed: with it come nine others, which would make
- * each call of pccdctl take twice as long to begin.
+ * each call of pccdctl take twice as long to begin. It has a thread for each connection,
+ * so that one that waits for a daemon keeps no other waiting.
  */
 #include "http.h"
 
@@ -21,7 +22,7 @@
 
 #include "terminal.h"
 
-#define SLICE_MS        200 /* between two looks for an interrupt */
+#define SLICE_S         0.2 /* between two looks for an interrupt */
 #define BACKLOG         16
 #define CONNECTIONS_MAX 32u
 #define IDLE_S          10u /* that a connection may be silent */
@@ -36,7 +37,6 @@ struct server {
 /* X(its function, without MHD_) */
 #define FUNCTIONS(X)                                                                     \
     X(start_daemon)                                                                      \
-    X(run_wait)                                                                          \
     X(stop_daemon)                                                                       \
     X(create_response_from_buffer)                                                       \
     X(add_response_header)                                                               \
@@ -181,24 +181,22 @@ int http_serve(const char *path, http_answer answer, void *context)
     if (fd < 0) {
         return ctl_complain("cannot listen at %s: %s", path, strerror(errno));
     }
+    terminal_catch_interrupts(); /* as its threads do, too */
     struct MHD_Daemon *daemon = mhd.start_daemon(
-        MHD_NO_FLAG, 0, NULL, NULL, on_request, &server, MHD_OPTION_LISTEN_SOCKET, fd,
-        MHD_OPTION_CONNECTION_LIMIT, CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT,
-        IDLE_S, MHD_OPTION_END);
+        MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD, 0, NULL, NULL,
+        on_request, &server, MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
+        CONNECTIONS_MAX, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S, MHD_OPTION_END);
     if (daemon == NULL) {
         close(fd);
         unlink(path);
         return ctl_complain("cannot serve HTTP at %s", path);
     }
-    terminal_catch_interrupts();
-    enum MHD_Result result = MHD_YES;
-    while (result == MHD_YES && !terminal_was_interrupted()) {
-        result = mhd.run_wait(daemon, SLICE_MS);
+    while (!terminal_was_interrupted()) {
+        terminal_sleep(SLICE_S);
     }
-    mhd.stop_daemon(daemon); /* closes the socket */
     unlink(path);
-    return terminal_was_interrupted() ? CTL_DONE
-                                      : ctl_complain("serving HTTP at %s failed", path);
+    mhd.stop_daemon(daemon); /* closes the socket, when what waits has an answer */
+    return CTL_DONE;
 }
 
 #else

@@ -1,6 +1,6 @@
 /* http.h - answers HTTP on a Unix socket.
  *
- * Threads: one.
+ * Threads: http_serve has one for each connection, which calls http_answer.
  */
 #ifndef CTL_HTTP_H
 #define CTL_HTTP_H
@@ -11,7 +11,8 @@
 #define HTTP_NOT_FOUND   404u
 #define HTTP_UNAVAILABLE 503u
 
-/* Write the body of the answer, plain text, to `to`. Returns the status of HTTP. */
+/* Write the body of the answer, plain text, to `to`; [any]. Returns the status of
+ * HTTP. */
 typedef unsigned (*http_answer)(void *context, const char *url, FILE *to);
 
 /* Listen at `path`, for this user and group, and have each GET and HEAD answered, until
