@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/pidfd.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "ctl.h"
@@ -48,10 +49,18 @@ const struct option_table ctl_table_drain = {
                 "  pccdctl drain --socket /run/pccd/pccd.sock --wait 60\n",
 };
 
+/* A file, and what it was when it was seen. */
+struct seen {
+    char path[DOCTOR_PATH_BYTES + 8];
+    dev_t device;
+    ino_t inode; /* 0: there was none */
+};
+
 struct daemon {
-    char path[256], lock[264]; /* of its socket */
-    int process;               /* descriptor of what holds the lock; -1: not known */
-    uint32_t sessions;         /* besides ours */
+    struct seen lock, socket;
+    pid_t holder;      /* of the lock; 0: not known */
+    int process;       /* descriptor of that; -1: not known */
+    uint32_t sessions; /* besides ours */
 };
 
 static void count_session(void *context, const struct pccd_session_info *info)
@@ -61,53 +70,109 @@ static void count_session(void *context, const struct pccd_session_info *info)
     daemon->sessions++;
 }
 
-/* Open the process that holds the lock. Returns an exit status. */
-static int find_process(struct daemon *daemon)
+static void see(struct seen *seen)
 {
-    pid_t pid = 0;
-    if (doctor_look_at_lock(daemon->lock, &pid) != DOCTOR_LOCK_HELD) {
-        return ctl_complain("drain: no daemon holds %s: systemd made this socket, or "
-                            "another drain was here",
-                            tool_shown(daemon->lock));
+    struct stat info;
+    bool is_there = lstat(seen->path, &info) == 0;
+    seen->device = is_there ? info.st_dev : 0;
+    seen->inode = is_there ? info.st_ino : 0;
+}
+
+/* Return whether a path leads to the file that was seen. */
+static bool is_seen(const struct seen *seen, const char *path)
+{
+    struct stat info;
+    return lstat(path, &info) == 0 && info.st_dev == seen->device &&
+           info.st_ino == seen->inode;
+}
+
+/* Return whether the lock, which may have another name by now, is that of the daemon:
+ * held without a break since it was seen, as its process lives. */
+static bool is_held(const struct daemon *daemon, const char *path)
+{
+    struct pollfd ended = {.fd = daemon->process, .events = POLLIN};
+    pid_t holder = 0;
+    return is_seen(&daemon->lock, path) &&
+           doctor_look_at_lock(path, &holder) == DOCTOR_LOCK_HELD &&
+           holder == daemon->holder && poll(&ended, 1, 0) == 0;
+}
+
+/* See who holds the lock, before that daemon is asked. Returns whether one does. */
+static bool see_holder(struct daemon *daemon, const struct pccd_options *asked)
+{
+    char path[DOCTOR_PATH_BYTES];
+    if (asked->private_daemon || !doctor_find_path(asked, path)) {
+        return false;
     }
-    daemon->process = pid > 0 ? pidfd_open(pid, 0) : -1;
-    return CTL_DONE;
+    strcpy(daemon->socket.path, path);
+    snprintf(daemon->lock.path, sizeof daemon->lock.path, "%s.lock", path);
+    see(&daemon->socket);
+    see(&daemon->lock);
+    bool is_locked =
+        doctor_look_at_lock(daemon->lock.path, &daemon->holder) == DOCTOR_LOCK_HELD;
+    daemon->process =
+        is_locked && daemon->holder > 0 ? pidfd_open(daemon->holder, 0) : -1;
+    return is_locked;
 }
 
 /* Learn what there is, while it may be asked. Returns an exit status. */
 static int learn(struct daemon *daemon, const struct ctl_link *link)
 {
+    struct pccd_options asked;
     struct pccd_client *client = NULL;
+    ctl_link_options(link, &asked);
+    bool is_locked = see_holder(daemon, &asked);
     int status = ctl_link_open(link, &client);
     if (status != CTL_DONE) {
         return status;
     }
-    const char *url = pccd_url(client);
-    if (strncmp(url, "unix:", 5) != 0 || strlen(url + 5) >= sizeof daemon->path) {
-        status = ctl_complain("drain: %s is no socket's path", tool_shown(url));
+    if (daemon->socket.path[0] == '\0') {
+        status = ctl_complain("drain: %s has no path to give up",
+                              tool_shown(pccd_url(client)));
     } else if (pccd_list_sessions(client, count_session, daemon) != PCCD_OK) {
         status = ctl_complain("drain: %s", pccd_error_text(client));
-    } else {
-        strcpy(daemon->path, url + 5);
-        snprintf(daemon->lock, sizeof daemon->lock, "%s.lock", daemon->path);
-        daemon->sessions--; /* our own */
-        status = find_process(daemon);
+    } else if (!is_locked) {
+        status = ctl_complain("drain: no daemon holds %s: systemd made this socket, or "
+                              "another drain was here",
+                              tool_shown(daemon->lock.path));
     }
+    daemon->sessions -= daemon->sessions > 0; /* our own */
     pccd_close(client);
     return status;
 }
 
-/* Remove the lock first: a daemon whose socket alone is gone listens anew (pccdd(8)). */
+/* Take a file away under another name, look at it, and put it back if it is not the one
+ * that was seen. Returns an exit status, and whether it was that. */
+static int take_away(const struct daemon *daemon, const struct seen *file, bool *was_seen)
+{
+    char aside[sizeof file->path + 32];
+    bool is_lock = file == &daemon->lock;
+    snprintf(aside, sizeof aside, "%s.drain-%ld", file->path, (long)getpid());
+    *was_seen = false;
+    if (rename(file->path, aside) != 0) {
+        return errno == ENOENT ? CTL_DONE
+                               : ctl_complain("drain: cannot remove %s: %s",
+                                              tool_shown(file->path), strerror(errno));
+    }
+    *was_seen = is_lock ? is_held(daemon, aside) : is_seen(file, aside);
+    if (!*was_seen) {
+        (void)link(aside, file->path); /* unless a third one is there by now */
+    }
+    (void)unlink(aside);
+    return CTL_DONE;
+}
+
+/* Remove the lock first: a daemon whose socket alone is gone listens anew (pccdd(8)). One
+ * that has begun since then has another lock, and a socket of its own; both stay. */
 static int give_up_path(const struct daemon *daemon)
 {
-    const char *const paths[] = {daemon->lock, daemon->path};
-    for (int i = 0; i < 2; i++) {
-        if (unlink(paths[i]) != 0 && errno != ENOENT) {
-            return ctl_complain("drain: cannot remove %s: %s", tool_shown(paths[i]),
-                                strerror(errno));
-        }
+    bool was_seen = false;
+    int status = take_away(daemon, &daemon->lock, &was_seen);
+    if (status == CTL_DONE && !was_seen) {
+        return ctl_complain("drain: the daemon has ended, or another one has begun at %s",
+                            tool_shown(daemon->socket.path));
     }
-    return CTL_DONE;
+    return status == CTL_DONE ? take_away(daemon, &daemon->socket, &was_seen) : status;
 }
 
 /* Return whether the daemon ends before the time, or an interrupt. */
@@ -130,7 +195,7 @@ static int finish(const struct daemon *daemon, const struct drain_options *optio
     bool waits = options->wait_s > 0, has_ended = false;
     if (!options->is_json) {
         printf("%s is given up; the daemon has %" PRIu32 " %s, and ends with the last\n",
-               tool_shown(daemon->path), daemon->sessions,
+               tool_shown(daemon->socket.path), daemon->sessions,
                proto_plural(daemon->sessions, "client", "clients"));
         (void)fflush(stdout);
     }
@@ -139,8 +204,9 @@ static int finish(const struct daemon *daemon, const struct drain_options *optio
     }
     has_ended = waits && ends_within(daemon, options->wait_s);
     if (options->is_json) {
-        json_t *object = json_pack("{s:s, s:I, s:b}", "socket", daemon->path, "clients",
-                                   (json_int_t)daemon->sessions, "ended", has_ended);
+        json_t *object =
+            json_pack("{s:s, s:I, s:b}", "socket", daemon->socket.path, "clients",
+                      (json_int_t)daemon->sessions, "ended", has_ended);
         (void)output_json(object, true, stdout);
     } else if (waits) {
         puts(has_ended ? "ended" : "still serving; kill -TERM ends it");

@@ -16,6 +16,7 @@ enum doctor_verdict { DOCTOR_OK, DOCTOR_WARN, DOCTOR_FAIL };
 
 #define DOCTOR_MAX        32u
 #define DOCTOR_TEXT_BYTES 256u
+#define DOCTOR_PATH_BYTES 256
 
 struct doctor_finding {
     enum doctor_verdict verdict;
@@ -53,6 +54,9 @@ enum doctor_lock {
     DOCTOR_LOCK_HELD
 };
 
+/* Find the socket where the library would look. Return false if that is no path, as with
+ * another kind of url. */
+bool doctor_find_path(const struct pccd_options *options, char path[DOCTOR_PATH_BYTES]);
 /* Look at the lock's file. *holder: the process whose number is there; 0: none, or it
  * cannot be read. */
 enum doctor_lock doctor_look_at_lock(const char *path, pid_t *holder);

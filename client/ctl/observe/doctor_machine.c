@@ -12,7 +12,6 @@
 
 #include "doctor.h"
 
-#define PATH_BYTES 256
 /* 1024 connections with three descriptors each. */
 #define FILES_WANTED 3200u
 #define SHM_WANTED   (64u << 20)
@@ -86,18 +85,17 @@ void doctor_look_at_machine(struct doctor *doctor)
 
 /* ---- the socket -------------------------------------------------------------------- */
 
-/* Find where the library would look. Return false if that is no path, as with another
- * kind of url. */
-static bool find_path(const struct pccd_options *options, char path[PATH_BYTES])
+bool doctor_find_path(const struct pccd_options *options, char path[DOCTOR_PATH_BYTES])
 {
     const char *url = options->url != NULL ? options->url : getenv("PCCD_URL");
     const char *runtime = getenv("XDG_RUNTIME_DIR");
     if (url != NULL && url[0] != '\0') {
-        snprintf(path, PATH_BYTES, "%s", strncmp(url, "unix:", 5) == 0 ? url + 5 : "");
+        snprintf(path, DOCTOR_PATH_BYTES, "%s",
+                 strncmp(url, "unix:", 5) == 0 ? url + 5 : "");
     } else if (runtime != NULL && runtime[0] == '/') {
-        snprintf(path, PATH_BYTES, "%s/pccd/pccd.sock", runtime);
+        snprintf(path, DOCTOR_PATH_BYTES, "%s/pccd/pccd.sock", runtime);
     } else {
-        snprintf(path, PATH_BYTES, "/tmp/pccd-%u/pccd.sock", (unsigned)geteuid());
+        snprintf(path, DOCTOR_PATH_BYTES, "/tmp/pccd-%u/pccd.sock", (unsigned)geteuid());
     }
     return path[0] != '\0';
 }
@@ -105,7 +103,7 @@ static bool find_path(const struct pccd_options *options, char path[PATH_BYTES])
 /* Return whether the daemon could make that folder: the one above it must be there. */
 static bool can_make(const char *folder)
 {
-    char parent[PATH_BYTES];
+    char parent[DOCTOR_PATH_BYTES];
     snprintf(parent, sizeof parent, "%s", folder);
     char *slash = strrchr(parent, '/');
     if (slash == NULL) {
@@ -117,7 +115,7 @@ static bool can_make(const char *folder)
 
 static void look_at_folder(struct doctor *doctor, const char *path)
 {
-    char folder[PATH_BYTES];
+    char folder[DOCTOR_PATH_BYTES];
     struct stat found;
     snprintf(folder, sizeof folder, "%s", path);
     char *slash = strrchr(folder, '/');
@@ -173,7 +171,7 @@ enum doctor_lock doctor_look_at_lock(const char *path, pid_t *holder)
 /* Tell of the lock beside the socket. */
 static void look_at_lock(struct doctor *doctor, const char *path, bool has_socket)
 {
-    char lock[PATH_BYTES + 8];
+    char lock[DOCTOR_PATH_BYTES + 8];
     snprintf(lock, sizeof lock, "%s.lock", path);
     pid_t holder;
     enum doctor_lock state = doctor_look_at_lock(lock, &holder);
@@ -217,17 +215,17 @@ static void look_at_systemd(struct doctor *doctor)
  * where another one has come since. */
 static void look_at_log(struct doctor *doctor, const char *path)
 {
-    char name[PATH_BYTES + sizeof COMMON_OWN_LOG_ENDING];
+    char name[DOCTOR_PATH_BYTES + sizeof COMMON_OWN_LOG_ENDING];
     snprintf(name, sizeof name, "%s" COMMON_OWN_LOG_ENDING, path);
     common_last_words(name, doctor->last_words);
 }
 
 void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *options)
 {
-    char path[PATH_BYTES];
+    char path[DOCTOR_PATH_BYTES];
     struct stat found;
     look_at_systemd(doctor);
-    if (options->private_daemon || !find_path(options, path)) {
+    if (options->private_daemon || !doctor_find_path(options, path)) {
         return;
     }
     bool has_socket = stat(path, &found) == 0;
