@@ -14,9 +14,8 @@
 #include "option_table.h"
 #include "proto_limits.h"
 #include "seqpacket.h"
+#include "settings.h"
 #include "supervise.h"
-
-#define MIB (1u << 20)
 
 const char *argp_program_version = "pccdd " PACKAGE_VERSION;
 
@@ -61,6 +60,17 @@ static_assert(SRV_LOG_ERROR == 0 && SRV_LOG_DEBUG == 3, "by place in error|..|de
 static_assert(SRV_LOG_TEXT == 0 && SRV_LOG_JSON == 1, "by place in text|json");
 
 #define AT(member) offsetof(struct srv_options, member)
+
+/* Make a setting an option. */
+#define FORM_u32    OPTION_U32
+#define FORM_u64    OPTION_U64
+#define FORM_level  OPTION_WORD
+#define START(most) most
+#define ROW(ID, name, letter, argument, form, member, least, most, units, text, later,   \
+            first)                                                                       \
+    {name,         letter,           argument,     text " (default: " first ")",         \
+     FORM_##form,  .at = AT(member), .min = least, .max = most,                          \
+     .unit = units},
 static const struct option_row rows[] = {
     {.help = "Where and how long:", .at = 1},
     {"socket", 's', "PATH",
@@ -69,16 +79,7 @@ static const struct option_row rows[] = {
      OPTION_OWN, .at = AT(socket_path), .max = SRV_SOCKET_PATH_BYTES, .take = take_path},
     {"private", 0, NULL, "exit with the last client, or after 10 s if none comes",
      OPTION_FLAG, .at = AT(private_daemon)},
-    {"idle-exit", 0, "SECONDS",
-     "exit after so many seconds without a client; 0 = stay (default)", OPTION_U32,
-     .at = AT(idle_exit_s), .max = 1u << 30},
-    {"grace", 0, "SECONDS",
-     "on SIGTERM, finish requests in flight for at most that long (default 10)",
-     OPTION_U32, .at = AT(grace_s), .max = 86400},
-    {"linger", 0, "SECONDS",
-     "let the session of a client whose connection is lost wait for it for that long "
-     "(default 5; 0 = not at all)",
-     OPTION_U32, .at = AT(linger_s), .max = 3600},
+    SRV_SETTINGS_OF_LIFE(ROW)
     {"supervise", 0, NULL,
      "stay as a small parent that starts the daemon again when it crashes", OPTION_FLAG,
      .at = AT(supervise)},
@@ -92,8 +93,6 @@ static const struct option_row rows[] = {
     {"ready-fd", 0, "N",
      "write the byte 1 to this descriptor and close it when listening", OPTION_U32,
      .at = AT(ready_fd), .max = 1u << 20},
-    {"log-level", 'l', "error|warn|info|debug", "error, warn, info (default) or debug",
-     OPTION_WORD, .at = AT(log_level)},
     {"log-format", 0, "text|json",
      "text (default), or json: one object a line, for programs that collect logs",
      OPTION_WORD, .at = AT(log_format)},
@@ -113,49 +112,17 @@ static const struct option_row rows[] = {
      .take = take_group},
 
     {.help = "Computing:", .at = 2},
-    {"threads", 't', "N", "threads of a step (default: the CPUs at hand)", OPTION_U32,
-     .at = AT(threads_max), .min = 1, .max = 1024},
+    SRV_SETTINGS_OF_COMPUTING(ROW)
     {"pin", 0, "auto|on|off",
      "bind each thread of a step to a processor of its own: on, off, or auto (default: "
      "when --threads is the number of processors that may be used)",
      OPTION_WORD, .at = AT(pin)},
-    {"step-max-ms", 0, "MS",
-     "end a step that has computed for so many milliseconds, as if its deadline had "
-     "come; 0 = never (default)",
-     OPTION_U32, .at = AT(step_max_ms), .max = PROTO_STEP_MAX_MS},
-    {"contacts-max", 0, "N", "records kept for one answer (default 16777216)", OPTION_U64,
-     .at = AT(contacts_max), .min = 1, .max = 1ull << 32},
-    {"scenes-max", 0, "N", "scenes of one client (default 65536)", OPTION_U32,
-     .at = AT(scenes_max), .min = 1, .max = 1u << 20},
-    {"inflight-max", 0, "N", "steps of one client at a time, 1..16 (default 16)",
-     OPTION_U32, .at = AT(inflight_max), .min = 1, .max = PROTO_INFLIGHT_MAX},
-    {"queue-max", 0, "N",
-     "requests of all clients that wait to be computed (default 32768)", OPTION_U32,
-     .at = AT(queue_max), .min = 1, .max = 1u << 20},
 
     {.help = "Quotas of one user:", .at = 3},
-    {"clients-max", 0, "N", "connections (default 64)", OPTION_U64,
-     .at = AT(quota[SRV_QUOTA_CLIENTS]), .min = 1, .max = 65536},
-    {"shm-max-mib", 0, "MIB",
-     "shared memory (default: 512, or an eighth of the machine's if that is more)",
-     OPTION_U64, .at = AT(quota[SRV_QUOTA_SHM_BYTES]), .min = 1, .max = 1u << 24,
-     .unit = MIB},
-    {"meshes-max", 0, "N", "meshes (default 131072)", OPTION_U64,
-     .at = AT(quota[SRV_QUOTA_MESHES]), .min = 1, .max = 1u << 20},
-    {"triangles-max", 0, "N", "triangles of meshes (default 256000000)", OPTION_U64,
-     .at = AT(quota[SRV_QUOTA_TRIANGLES]), .min = 1, .max = 1ull << 40},
-    {"memory-max-mib", 0, "MIB",
-     "memory of meshes, objects, hierarchies and answers (default: half of the "
-     "machine's)",
-     OPTION_U64, .at = AT(engine_bytes_max), .min = 1, .max = 1u << 24, .unit = MIB},
+    SRV_SETTINGS_OF_USER(ROW)
 
     {.help = "Bounds of all users together:", .at = 4},
-    {"memory-total-mib", 0, "MIB",
-     "shared memory, and memory of meshes, objects, hierarchies and answers (default: "
-     "three quarters of the machine's)",
-     OPTION_U64, .at = AT(memory_total_max), .min = 1, .max = 1u << 24, .unit = MIB},
-    {"connections-max", 0, "N", "connections; more are refused (default 1024)",
-     OPTION_U32, .at = AT(connections_max), .min = 1, .max = 1u << 20},
+    SRV_SETTINGS_OF_ALL(ROW)
     {0}};
 
 static uint32_t cpu_count(void)

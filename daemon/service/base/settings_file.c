@@ -42,6 +42,7 @@ static const char *take_line(struct srv_settings_file *file, char *text, uint32_
     strcpy(line->name, name);
     strcpy(line->value, value);
     line->number = number;
+    line->is_refused = false;
     file->count++;
     return NULL;
 }
@@ -82,12 +83,12 @@ bool srv_settings_file_read(struct srv_settings_file *file, const char *path,
     return wrong == NULL;
 }
 
-const char *srv_settings_file_value(const struct srv_settings_file *file,
-                                    const char *name)
+const struct srv_settings_line *
+srv_settings_file_last(const struct srv_settings_file *file, const char *name)
 {
-    const char *value = NULL;
+    const struct srv_settings_line *last = NULL;
     for (uint32_t i = 0; i < file->count; i++) {
-        value = strcmp(file->lines[i].name, name) == 0 ? file->lines[i].value : value;
+        last = strcmp(file->lines[i].name, name) == 0 ? &file->lines[i] : last;
     }
-    return value;
+    return last;
 }

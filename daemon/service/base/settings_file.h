@@ -18,6 +18,7 @@
 
 struct srv_settings_line {
     uint32_t number; /* of the line, from 1 */
+    bool is_refused; /* by whoever took it; false when it is read */
     char name[SRV_SETTINGS_NAME_BYTES];
     char value[SRV_SETTINGS_VALUE_BYTES];
 };
@@ -32,8 +33,8 @@ struct srv_settings_file {
 bool srv_settings_file_read(struct srv_settings_file *file, const char *path,
                             char error[SRV_SETTINGS_ERROR_BYTES]);
 
-/* Return the last value that a name has there; NULL: none. */
-const char *srv_settings_file_value(const struct srv_settings_file *file,
-                                    const char *name);
+/* Return the last line that a name has there; NULL: none. */
+const struct srv_settings_line *
+srv_settings_file_last(const struct srv_settings_file *file, const char *name);
 
 #endif

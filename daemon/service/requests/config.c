@@ -14,47 +14,13 @@
 #include "host.h"
 #include "invariant.h"
 #include "log.h"
-#include "proto_limits.h"
 #include "service.h"
 #include "session.h"
-
-/* X(ID, name, least, most, text). Most 0: the value at the daemon's start, from which the
- * team and the table of descriptors have their sizes. */
-#define SETTINGS(X)                                                                      \
-    X(THREADS, "threads", 1, 0, "threads of a step, up to those at the start")           \
-    X(LOG_LEVEL, "log-level", 0, 3, "error, warn, info or debug")                        \
-    X(IDLE_EXIT, "idle-exit", 0, 1u << 30,                                               \
-      "seconds without a client before the daemon "                                      \
-      "ends; 0: it stays")                                                               \
-    X(GRACE, "grace", 0, 86400, "seconds for requests in flight when it ends")           \
-    X(LINGER, "linger", 0, 3600,                                                         \
-      "seconds that a session waits for its client; 0: not "                             \
-      "at all")                                                                          \
-    X(STEP_MAX, "step-max-ms", 0, PROTO_STEP_MAX_MS,                                     \
-      "milliseconds that a step computes before it is answered as one whose deadline "   \
-      "has come; 0: as long as it takes")                                                \
-    X(CONTACTS, "contacts-max", 1, 1ull << 32, "records kept for one answer")            \
-    X(INFLIGHT, "inflight-max", 1, PROTO_INFLIGHT_MAX,                                   \
-      "steps of one client at a time; "                                                  \
-      "for rings attached from then on")                                                 \
-    X(SCENES, "scenes-max", 1, 1u << 20,                                                 \
-      "scenes of one client; for those that connect from then on")                       \
-    X(QUEUE, "queue-max", 1, 1u << 20, "requests that wait to be computed")              \
-    X(CLIENTS, "clients-max", 1, 65536, "connections of one user")                       \
-    X(SHM, "shm-max-mib", 1, 1u << 24, "MiB of shared memory of one user")               \
-    X(MESHES, "meshes-max", 1, 1u << 20, "meshes of one user")                           \
-    X(TRIANGLES, "triangles-max", 1, 1ull << 40, "triangles of meshes of one user")      \
-    X(MEMORY, "memory-max-mib", 1, 1u << 24, "MiB that the engine holds for one user")   \
-    X(MEMORY_TOTAL, "memory-total-mib", 1, 1u << 24,                                     \
-      "MiB of memory of all users, "                                                     \
-      "shared and the engine's")                                                         \
-    X(CONNECTIONS, "connections-max", 1, 0,                                              \
-      "connections of all users, up to those at "                                        \
-      "the start")
+#include "settings.h"
 
 enum setting {
-#define ENUM(ID, name, least, most, text) SETTING_##ID,
-    SETTINGS(ENUM)
+#define ENUM(ID, ...) SETTING_##ID,
+    SRV_SETTINGS(ENUM)
 #undef ENUM
         SETTING_COUNT
 };
@@ -65,16 +31,18 @@ static const struct {
     const char *name;
     uint64_t least;
     uint64_t most; /* 0: the value at the start */
-    const char *text;
+    const char *text, *later;
 } settings[SETTING_COUNT] = {
-#define ROW(ID, name, least, most, text) {name, least, most, text},
-    SETTINGS(ROW)
+#define START(most) 0
+#define ROW(ID, name, letter, argument, form, member, least, most, unit, text, later,    \
+            first)                                                                       \
+    {name, least, most, text, later},
+    SRV_SETTINGS(ROW)
 #undef ROW
+#undef START
 };
 
 static const char *const level_names[SRV_LOG_COUNT] = {"error", "warn", "info", "debug"};
-
-#define MIB_SHIFT 20
 
 /* The place of a setting in their order; SETTING_COUNT: there is none. */
 static uint32_t find(const char *name)
@@ -88,53 +56,16 @@ static uint32_t find(const char *name)
 
 static uint64_t read_value(const struct srv_options *options, enum setting setting)
 {
-    const uint64_t *quota = options->quota;
     switch (setting) {
-    case SETTING_THREADS:
-        return options->threads_max;
-    case SETTING_LOG_LEVEL:
-        return (uint64_t)options->log_level;
-    case SETTING_IDLE_EXIT:
-        return options->idle_exit_s;
-    case SETTING_GRACE:
-        return options->grace_s;
-    case SETTING_LINGER:
-        return options->linger_s;
-    case SETTING_STEP_MAX:
-        return options->step_max_ms;
-    case SETTING_CONTACTS:
-        return options->contacts_max;
-    case SETTING_INFLIGHT:
-        return options->inflight_max;
-    case SETTING_SCENES:
-        return options->scenes_max;
-    case SETTING_QUEUE:
-        return options->queue_max;
-    case SETTING_CLIENTS:
-        return quota[SRV_QUOTA_CLIENTS];
-    case SETTING_SHM:
-        return quota[SRV_QUOTA_SHM_BYTES] >> MIB_SHIFT;
-    case SETTING_MESHES:
-        return quota[SRV_QUOTA_MESHES];
-    case SETTING_TRIANGLES:
-        return quota[SRV_QUOTA_TRIANGLES];
-    case SETTING_MEMORY:
-        return options->engine_bytes_max >> MIB_SHIFT;
-    case SETTING_MEMORY_TOTAL:
-        return options->memory_total_max >> MIB_SHIFT;
-    case SETTING_CONNECTIONS:
-        return options->connections_max;
+#define READ(ID, name, letter, argument, form, member, least, most, unit, ...)           \
+    case SETTING_##ID:                                                                   \
+        return (uint64_t)options->member / (unit);
+        SRV_SETTINGS(READ)
+#undef READ
     case SETTING_COUNT:
         break;
     }
     return 0;
-}
-
-static void set_quota(struct srv_service *service, enum srv_quota_kind kind,
-                      uint64_t limit)
-{
-    service->live.quota[kind] = limit;
-    srv_quota_set_limit(&service->quota, kind, limit);
 }
 
 /* In range. */
@@ -142,63 +73,43 @@ static void write_value(struct srv_service *service, enum setting setting, uint6
 {
     struct srv_options *live = &service->live;
     switch (setting) {
-    case SETTING_THREADS:
-        live->threads_max = (uint32_t)value;
+#define TYPE_u32   uint32_t
+#define TYPE_u64   uint64_t
+#define TYPE_level enum srv_level
+#define WRITE(ID, name, letter, argument, form, member, least, most, unit, ...)          \
+    case SETTING_##ID:                                                                   \
+        live->member = (TYPE_##form)(value * (unit));                                    \
         break;
+        SRV_SETTINGS(WRITE)
+#undef WRITE
+    case SETTING_COUNT:
+        break;
+    }
+    /* Others are looked at when they are needed. */
+    switch (setting) {
     case SETTING_LOG_LEVEL:
-        live->log_level = (enum srv_level)value;
         srv_log_set_level(live->log_level);
         break;
-    case SETTING_IDLE_EXIT: /* looked at when the last client goes */
-        live->idle_exit_s = (uint32_t)value;
-        break;
-    case SETTING_GRACE:
-        live->grace_s = (uint32_t)value;
-        break;
-    case SETTING_LINGER:
-        live->linger_s = (uint32_t)value;
-        break;
-    case SETTING_STEP_MAX:
-        live->step_max_ms = (uint32_t)value;
-        break;
-    case SETTING_CONTACTS:
-        live->contacts_max = value;
-        break;
-    case SETTING_INFLIGHT:
-        live->inflight_max = (uint32_t)value;
-        break;
-    case SETTING_SCENES:
-        live->scenes_max = (uint32_t)value;
-        break;
     case SETTING_QUEUE:
-        live->queue_max = (uint32_t)value;
         srv_compute_resize(&service->compute, live->queue_max);
         srv_compute_resize(&service->pages, live->queue_max);
         break;
     case SETTING_CLIENTS:
-        set_quota(service, SRV_QUOTA_CLIENTS, value);
-        break;
     case SETTING_SHM:
-        set_quota(service, SRV_QUOTA_SHM_BYTES, value << MIB_SHIFT);
-        break;
     case SETTING_MESHES:
-        set_quota(service, SRV_QUOTA_MESHES, value);
-        break;
     case SETTING_TRIANGLES:
-        set_quota(service, SRV_QUOTA_TRIANGLES, value);
+        for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
+            srv_quota_set_limit(&service->quota, (enum srv_quota_kind)kind,
+                                live->quota[kind]);
+        }
         break;
     case SETTING_MEMORY:
-        live->engine_bytes_max = value << MIB_SHIFT;
         srv_quota_bound_engine(&service->quota, live->engine_bytes_max);
         break;
     case SETTING_MEMORY_TOTAL:
-        live->memory_total_max = value << MIB_SHIFT;
         srv_quota_bound_memory(&service->quota, live->memory_total_max);
         break;
-    case SETTING_CONNECTIONS:
-        live->connections_max = (uint32_t)value;
-        break;
-    case SETTING_COUNT:
+    default:
         break;
     }
 }
@@ -227,7 +138,8 @@ static void describe(const struct srv_service *service, uint32_t index,
     enum setting setting = (enum setting)index;
     uint64_t value = read_value(service->options, setting);
     snprintf(result->name, sizeof result->name, "%s", settings[index].name);
-    snprintf(result->text, sizeof result->text, "%s", settings[index].text);
+    snprintf(result->text, sizeof result->text, "%s%s", settings[index].text,
+             settings[index].later);
     print_value(value, setting, result->value, sizeof result->value);
     result->changed = value != read_value(service->start_options, setting);
 }
@@ -292,8 +204,8 @@ void srv_config_restore(struct srv_service *service, struct srv_config_kept *kep
     }
 }
 
-/* Take a line of the configuration file. */
-static void reload_line(struct srv_service *service, const struct srv_settings_line *line)
+/* Take a line of the configuration file, or mark it as refused. */
+static void reload_line(struct srv_service *service, struct srv_settings_line *line)
 {
     struct proto_error error = {0};
     uint32_t index = find(line->name);
@@ -301,6 +213,7 @@ static void reload_line(struct srv_service *service, const struct srv_settings_l
         srv_log(SRV_LOG_WARN, 0, "%s:%u: %s: this holds after a restart",
                 service->options->config_path, line->number, line->name);
     } else if (set(service, index, line->value, &error) != 0) {
+        line->is_refused = true;
         srv_log(SRV_LOG_ERROR, 0, "%s:%u: %s; it stays as it was",
                 service->options->config_path, line->number, error.text);
     } else {
@@ -309,13 +222,14 @@ static void reload_line(struct srv_service *service, const struct srv_settings_l
     }
 }
 
-/* Return whether a file says the same as that line: of a setting, the last word counts;
- * another option may stand there several times. */
+/* Return whether a file has said the same as that line, and was heard: of a setting, the
+ * last word counts; another option may stand there several times. */
 static bool says(const struct srv_settings_file *file,
                  const struct srv_settings_line *line)
 {
-    const char *value = srv_settings_file_value(file, line->name);
-    bool does = value != NULL && strcmp(value, line->value) == 0;
+    const struct srv_settings_line *last = srv_settings_file_last(file, line->name);
+    bool does =
+        last != NULL && !last->is_refused && strcmp(last->value, line->value) == 0;
     for (uint32_t i = 0; i < file->count && find(line->name) == SETTING_COUNT; i++) {
         does = does || (strcmp(file->lines[i].name, line->name) == 0 &&
                         strcmp(file->lines[i].value, line->value) == 0);
@@ -328,7 +242,7 @@ static bool is_gone(const struct srv_settings_file *now,
                     const struct srv_settings_line *line)
 {
     return find(line->name) < SETTING_COUNT
-               ? srv_settings_file_value(now, line->name) == NULL
+               ? srv_settings_file_last(now, line->name) == NULL
                : !says(now, line);
 }
 
