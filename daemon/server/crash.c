@@ -2,6 +2,7 @@
 #include "crash.h"
 
 #include <execinfo.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -10,9 +11,14 @@
 
 #include "crash_context.h"
 #include "invariant.h"
+#include "log.h"
 
 #define FRAMES_MAX  64
 #define STACK_BYTES 65536u
+#define TRACE_BYTES 16384u /* of a backtrace that becomes JSON */
+
+/* Through it a backtrace becomes lines of JSON; -1: the log is text. */
+static int trace_pipe[2] = {-1, -1};
 
 static _Thread_local unsigned char handler_stack[STACK_BYTES];
 static atomic_flag reporting = ATOMIC_FLAG_INIT;
@@ -61,6 +67,33 @@ static const char *name_of(int signal)
     }
 }
 
+/* Write a line in the form of the log; one of text has no time. */
+static void say(struct line *line)
+{
+    size_t last = sizeof line->text - 1;
+    line->length = line->length < last ? line->length : last;
+    line->text[line->length] = '\0';
+    if (trace_pipe[1] < 0 || !srv_log_last_words(line->text)) {
+        line->text[line->length] = '\n';
+        (void)!write(STDERR_FILENO, line->text, line->length + 1);
+    }
+}
+
+/* Say what is in the pipe, line by line. */
+static void say_trace(void)
+{
+    static char text[TRACE_BYTES];
+    ssize_t bytes = read(trace_pipe[0], text, sizeof text - 1);
+    for (char *begin = text, *end = text + (bytes > 0 ? bytes : 0); begin < end;) {
+        struct line line = {.length = 0};
+        size_t length = strcspn(begin, "\n");
+        begin[length] = '\0';
+        add_text(&line, begin);
+        say(&line);
+        begin += length + 1;
+    }
+}
+
 static void report(const char *what)
 {
     struct line line = {.length = 0};
@@ -84,9 +117,14 @@ static void report(const char *what)
     } else {
         add_text(&line, "none");
     }
-    add_text(&line, "\n");
-    (void)!write(STDERR_FILENO, line.text, line.length);
-    backtrace_symbols_fd(frames, backtrace(frames, FRAMES_MAX), STDERR_FILENO);
+    say(&line);
+    int count = backtrace(frames, FRAMES_MAX);
+    if (trace_pipe[1] < 0) {
+        backtrace_symbols_fd(frames, count, STDERR_FILENO);
+        return;
+    }
+    backtrace_symbols_fd(frames, count, trace_pipe[1]);
+    say_trace();
 }
 
 /* SA_RESETHAND has put the default action back: the signal is fatal now. */
@@ -127,6 +165,9 @@ void srv_crash_install(void)
                                .sa_flags = (int)(SA_RESETHAND | SA_ONSTACK | SA_NODEFER)};
     void *frame[1];
     (void)backtrace(frame, 1); /* loads what it needs */
+    if (srv_log_is_json()) {
+        (void)!pipe2(trace_pipe, O_CLOEXEC | O_NONBLOCK);
+    }
     srv_crash_thread();
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof fatal / sizeof fatal[0]; i++) {

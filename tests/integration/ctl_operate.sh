@@ -66,7 +66,8 @@ ctl config set log-level info && ctl config set linger 9 &&
     grep -q 'it.conf:3: queue-max: "none" is not a whole number; it stays as it was' it.log &&
     grep -q 'it.conf:5: pin: this holds after a restart' it.log &&
     ! grep -q 'threads: 1, by' it.log && ctl config set grace 5 && : >it.log &&
-    kill -HUP "$daemon" && sleep 0.3 && setting grace 5 && # which the file says as before
+    kill -HUP "$daemon" && soon grep -q 'it.conf:3: queue-max: "none" is not' it.log && # once more
+    [ "$(wc -l <it.log)" -eq 1 ] && setting grace 5 && # which the file says as before
     echo 'grace' >it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf:1: the line is not NAME' it.log &&
     rm it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf: No such file.*all stays' it.log &&
     setting grace 5 && ctl check a.obj b.obj
@@ -124,24 +125,41 @@ wait "$daemon" 2>/dev/null
 
 # If it failed, what collects logs would stumble over a line, as a client's name may hold anything.
 start_daemon s --threads 1 --log-level debug --log-format json
+doomed=$daemon
 "$PCCDCTL" load --scene 'a "quoted\" name' --times 2 --hz 100 a.obj b.obj >out 2>err &&
-    fails 4 'there is no setting "quo' config get 'quo"te\' &&
-    python3 - s.log >"$log" 2>&1 <<'EOF' && [ ! -s "$log" ]
+    fails 4 'there is no setting "quo' config get 'quo"te\' && # and what a crash says
+    kill -ABRT "$doomed" && ! wait "$doomed" 2>/dev/null && python3 - s.log >"$log" 2>&1 <<'EOF' && [ ! -s "$log" ]
 import json, sys
 lines = [json.loads(line) for line in open(sys.argv[1])]
 if len(lines) < 4:
     print("too few lines")
 for line in lines:
-    if not set(line) <= {"time", "level", "session", "message"} or line["level"] not in ("info", "debug"):
+    if not set(line) <= {"time", "level", "session", "message"} or line["level"] not in ("info", "debug", "error"):
         print(line)
 if not any(line["message"].endswith('there is no setting "quo"te\\"') and line["session"] > 0 for line in lines):
     print("no such message", lines)
+said = [line["message"] for line in lines if line["level"] == "error"]
+if not ("SIGABRT in process" in said[0] and len(said) > 3 and any("pccdd(" in text for text in said[1:])):
+    print("no report of the crash", said)
 EOF
 if command -v python3 >/dev/null; then
     report log_format__json_is_an_object_a_line
 else
     tap_skip log_format__json_is_an_object_a_line "it takes python3"
 fi
+
+# If it failed, a full disk would take lines of the log, and nobody would learn of it.
+ln -s /dev/full full.log
+start_daemon full --threads 1 --log-level info --log-file full.log
+PCCD_URL="unix:$work/full" ctl stats --json && lost=$(json_value log_lines_lost) && [ "$lost" -gt 0 ] &&
+    PCCD_URL="unix:$work/full" ctl status && says 'of the log could not be written: is there room' &&
+    ln -sf there.log full.log && kill -HUP "$daemon" &&
+    PCCD_URL="unix:$work/full" ctl config set grace 9 && soon grep -q 'grace: 9' there.log &&
+    [ "$(grep -c ' lines could not be written here: No space left on device$' there.log)" -eq 1 ]
+report log_file__tells_of_lines_that_a_full_disk_has_taken
+kill "$daemon"
+wait "$daemon" 2>/dev/null
+start_daemon s --threads 1
 
 # ---- metrics over HTTP ---------------------------------------------------------------
 
@@ -159,7 +177,8 @@ sys.stdout.write(answer.read().decode())
 EOF
 }
 status_is() { grep -q "^$1 text/plain; version=0.0.4" status; }
-names=(metrics__are_answered_over_http metrics__of_users_are_told_apart)
+names=(metrics__are_answered_over_http metrics__of_users_are_told_apart
+    metrics__of_a_daemon_that_hangs_keep_no_other_waiting)
 if ! command -v python3 >/dev/null; then
     for name in "${names[@]}"; do tap_skip "$name" "it takes python3"; done
 # Where it can serve, this path is refused at once.
@@ -178,6 +197,14 @@ else
         kill "$daemon" && { wait "$daemon" 2>/dev/null; get /health; } && status_is 503 && says 'no answer' &&
         get /metrics && status_is 503 && start_daemon s --threads 1 && get /health && status_is 200
     report "${names[0]}"
+    # If it failed, a monitor that asks a daemon that hangs would keep all others waiting.
+    mkdir slow
+    kill -STOP "$daemon"
+    { cd slow && get /health; } &
+    waiting=$!
+    sleep 0.3 && get / && status_is 404 &&
+        kill -0 "$waiting" && kill -CONT "$daemon" && wait "$waiting" && grep -q '^200 ' slow/status
+    report "${names[2]}"
     # If it failed, an operator could not see whose work fills the machine.
     "$PCCDCTL" load --hz 50 --seconds 60 a.obj b.obj >/dev/null 2>&1 &
     player=$!
@@ -214,6 +241,22 @@ report drain__serves_who_is_there_and_ends
 start_daemon s --threads 1 --supervise
 ctl drain --wait 10 --json && [ "$(json_value clients) $(json_value ended)" = '0 true' ] && ! kill -0 "$daemon" 2>/dev/null
 report drain__ends_a_supervisor_too
+
+# If it failed, a daemon that begins while the one before it is asked would lose its path. The
+# first one is stopped when drain has connected to it and waits for its answer.
+start_daemon s --threads 1
+old=$daemon
+kill -STOP "$old"
+"$PCCDCTL" drain >drain.out 2>drain.err &
+drain=$!
+pids="$pids $drain"
+soon eval "ls -l /proc/$drain/fd | grep -q socket:" && rm s.lock s && start_daemon s --threads 1 &&
+    kill -CONT "$old" && { wait "$drain"; [ $? -eq 4 ]; } && grep -q 'another one has begun' drain.err &&
+    [ -S s ] && [ -e s.lock ] && [ "$(ls s.lock.* 2>/dev/null)" = '' ] && ctl version --json &&
+    [ "$(json_value pid)" = "$daemon" ] && soon eval "! kill -0 $old 2>/dev/null"
+report drain__spares_a_daemon_that_has_begun_meanwhile
+kill "$daemon"
+wait "$daemon" 2>/dev/null
 
 # If it failed, beside what an earlier daemon has left drain would remove a socket that systemd made,
 # and end nothing.

@@ -2,6 +2,8 @@
 #include "cases.h"
 
 #include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -61,6 +63,48 @@ static unsigned count_lines(const char *text, const char *end)
         count += at[strlen(end)] == '\n';
     }
     return count;
+}
+
+/* If it failed, lines that a full disk has taken would be missing without a word, or what
+ * it took half of one would spoil the next one, too. */
+CASE(log__tells_of_lines_that_were_lost)
+{
+    static char text[PIPE_READ];
+    char name[] = "/tmp/pccd-log-XXXXXX";
+    int status = 0, fd = mkstemp(name);
+    assert_true(fd >= 0);
+    assert_int_equal(unlink(name), 0);
+    assert_int_equal(fcntl(fd, F_SETFL, O_APPEND), 0);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct rlimit limit = {.rlim_cur = 50,
+                               .rlim_max = RLIM_INFINITY}; /* half a line */
+        signal(SIGXFSZ, SIG_IGN);
+        if (dup2(fd, STDERR_FILENO) != STDERR_FILENO ||
+            setrlimit(RLIMIT_FSIZE, &limit) != 0) {
+            _exit(1);
+        }
+        srv_log(SRV_LOG_ERROR, 0, TEXT);
+        srv_log(SRV_LOG_ERROR, 0, TEXT);
+        limit.rlim_cur = RLIM_INFINITY;
+        if (setrlimit(RLIMIT_FSIZE, &limit) != 0 || srv_log_lost() != 2) {
+            _exit(2);
+        }
+        srv_log(SRV_LOG_ERROR, 0, "there is room");
+        srv_log(SRV_LOG_ERROR, 0, "still");
+        _exit(srv_log_lost() == 2 ? 0 : 3);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    ssize_t length = pread(fd, text, sizeof text - 1, 0);
+    assert_true(length > 50);
+    (void)close(fd);
+    assert_int_equal(text[50], '\n');
+    assert_int_equal(
+        count_lines(text, "- 2 lines could not be written here: File too large"), 1);
+    assert_int_equal(count_lines(text, "- there is room"), 1);
+    assert_int_equal(count_lines(text, "- still"), 1);
 }
 
 /* If it failed, whoever connects again and again could fill the disk with lines, or hide

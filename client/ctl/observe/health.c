@@ -29,6 +29,7 @@ void health_judge(const struct counters *counters, struct health *health)
     uint64_t refused = counters_get(counters, "sessions_refused") - denied;
     uint64_t torn = counters_get(counters, "slots_torn");
     uint64_t stale = counters_get(counters, "slots_stale");
+    uint64_t unlogged = counters_get(counters, "log_lines_lost");
     uint64_t errors = counters_get(counters, "errors");
     uint64_t messages = counters_get(counters, "messages");
     uint64_t steps = counters_get(counters, "steps");
@@ -53,6 +54,11 @@ void health_judge(const struct counters *counters, struct health *health)
             "%" PRIu64 " %s while being read: a client writes into slots that it has "
             "submitted",
             torn + stale, proto_plural(torn + stale, "slot changed", "slots changed"));
+    }
+    if (unlogged > 0) {
+        say(health,
+            "%" PRIu64 " %s of the log could not be written: is there room on the disk?",
+            unlogged, proto_plural(unlogged, "line", "lines"));
     }
     if (messages > 100 && errors > messages / 100) {
         say(health,

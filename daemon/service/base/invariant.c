@@ -4,11 +4,18 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "log.h"
+
 static _Thread_local enum srv_thread current_thread = SRV_THREAD_OTHER;
 
 void srv_assert_failed(const char *condition, const char *file, int line)
 {
-    fprintf(stderr, "pccdd: invariant broken at %s:%d: %s\n", file, line, condition);
+    char said[256];
+    snprintf(said, sizeof said, "pccdd: invariant broken at %s:%d: %s", file, line,
+             condition);
+    if (!srv_log_last_words(said)) {
+        fprintf(stderr, "%s\n", said);
+    }
     abort();
 }
 

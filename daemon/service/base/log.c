@@ -192,30 +192,94 @@ static size_t write_json(char *line, size_t capacity, const char *time,
     return length + 2;
 }
 
+/* Relaxed, like the level. */
+static _Atomic uint64_t lost_count;  /* lines that could not be written */
+static _Atomic uint64_t lost_logged; /* of these, those that the log tells of */
+static _Atomic int lost_errno;       /* why the last one could not */
+static atomic_bool is_cut;           /* the last one stands there in part */
+
+uint64_t srv_log_lost(void)
+{
+    return atomic_load_explicit(&lost_count, memory_order_relaxed);
+}
+
+bool srv_log_is_json(void)
+{
+    return atomic_load_explicit(&format_now, memory_order_relaxed) == SRV_LOG_JSON;
+}
+
+/* Write a line with its end. False: not all of it, for want of room on the disk or of
+ * somebody who reads. */
+static bool put(const char *line, size_t length)
+{
+    /* A pipe that nobody reads must not stop the daemon. One with room has it for at
+     * least PIPE_BUF bytes, enough for a line of each of the two threads. */
+    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
+    ssize_t written = -1;
+    keep_short();
+    errno = EAGAIN;
+    if (poll(&out, 1, 0) > 0 &&
+        (!atomic_load(&is_cut) || write(STDERR_FILENO, "\n", 1) == 1)) {
+        atomic_store(&is_cut, false);
+        errno = ENOSPC; /* of a line that is written in part */
+        written = write(STDERR_FILENO, line, length);
+    }
+    if (written != (ssize_t)length) {
+        atomic_store_explicit(&lost_errno, errno, memory_order_relaxed);
+        atomic_store(&is_cut, written > 0 || atomic_load(&is_cut));
+    }
+    return written == (ssize_t)length;
+}
+
+static bool write_message(enum srv_level level, uint64_t session, const char *said)
+{
+    char line[LINE_BYTES], time[32], message[MESSAGE_BYTES];
+    /* Whatever a client has called itself, a line stays one. */
+    (void)proto_printable(said, strlen(said), message, sizeof message);
+    write_time(time);
+    size_t length =
+        srv_log_is_json()
+            ? write_json(line, sizeof line - 1, time, level, session, message)
+            : write_text(line, sizeof line - 1, time, level, session, message);
+    line[length] = '\n';
+    return put(line, length + 1);
+}
+
+/* Say once how many lines are missing, as soon as it can be said. */
+static void log_lost(void)
+{
+    uint64_t count = srv_log_lost();
+    uint64_t logged = atomic_load_explicit(&lost_logged, memory_order_relaxed);
+    char said[128];
+    if (count == logged ||
+        !atomic_compare_exchange_strong(&lost_logged, &logged, count)) {
+        return;
+    }
+    snprintf(said, sizeof said, "%llu %s could not be written here: %s",
+             (unsigned long long)(count - logged),
+             proto_plural(count - logged, "line", "lines"),
+             strerror(atomic_load_explicit(&lost_errno, memory_order_relaxed)));
+    if (!write_message(SRV_LOG_ERROR, 0, said)) {
+        atomic_store_explicit(&lost_logged, logged, memory_order_relaxed);
+    }
+}
+
 static void write_line(enum srv_level level, uint64_t session, const char *format,
                        va_list arguments) __attribute__((format(printf, 3, 0)));
 static void write_line(enum srv_level level, uint64_t session, const char *format,
                        va_list arguments)
 {
-    char line[LINE_BYTES], time[32], said[1024], message[MESSAGE_BYTES];
-    bool is_json =
-        atomic_load_explicit(&format_now, memory_order_relaxed) == SRV_LOG_JSON;
+    char said[1024];
     vsnprintf(said, sizeof said, format, arguments);
-    /* Whatever a client has called itself, a line stays one. */
-    (void)proto_printable(said, strlen(said), message, sizeof message);
-    write_time(time);
-    size_t length =
-        is_json ? write_json(line, sizeof line - 1, time, level, session, message)
-                : write_text(line, sizeof line - 1, time, level, session, message);
-    line[length] = '\n';
-    /* A pipe that nobody reads must not stop the daemon. One with room has it for at
-     * least PIPE_BUF bytes, enough for a line of each of the two threads. */
-    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
-    keep_short();
-    if (poll(&out, 1, 0) > 0) {
-        ssize_t ignored = write(STDERR_FILENO, line, length + 1);
-        (void)ignored; /* nobody is left to tell */
+    log_lost();
+    if (!write_message(level, session, said)) {
+        atomic_fetch_add_explicit(&lost_count, 1, memory_order_relaxed);
     }
+}
+
+bool srv_log_last_words(const char *said)
+{
+    return srv_log_is_json() && write_message(SRV_LOG_ERROR, 0, said);
 }
 
 void srv_log(enum srv_level level, uint64_t session, const char *format, ...)

@@ -2,9 +2,9 @@
  *
  * Write one line to stderr per event: ISO time, level, session, text; or a JSON object
  * with these as "time", "level", "session" (left out if it is about none) and "message".
- * Limit each kind of
- * line that clients can cause as often as they like: a number at once, then some a
- * second; say how many were left out.
+ * Limit each kind of line that clients can cause as often as they like: a number at once,
+ * then some a second; say how many were left out. Say, too, how many could not be
+ * written, once that can be.
  *
  * Threads: [any]; a line is one write, so lines never mix.
  */
@@ -31,6 +31,7 @@ int srv_log_level_by_name(const char *name);
 /* The form of lines from now on. */
 enum srv_log_format { SRV_LOG_TEXT = 0, SRV_LOG_JSON = 1 };
 void srv_log_set_format(enum srv_log_format format);
+bool srv_log_is_json(void);
 
 /* Append to that file, which is made if there is none, instead of what stderr leads to;
  * `path` stays the caller's. Returns 0, or an errno: it cannot be opened, and lines go
@@ -53,6 +54,13 @@ void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
  * of infos: so many at once, and then so many a second. */
 #define SRV_LOG_BURST 100u
 #define SRV_LOG_PER_S 10u
+
+/* Return how many lines could not be written, as the disk was full or nobody read. */
+uint64_t srv_log_lost(void);
+
+/* Write a line in the handler of a fatal signal, if the form is JSON: no memory is asked
+ * for. False: it is text, or the line could not be written. */
+bool srv_log_last_words(const char *said);
 
 /* Return whether lines were left out that nobody has been told of. Costs one load. */
 bool srv_log_owes_report(void);

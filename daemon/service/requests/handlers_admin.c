@@ -5,6 +5,7 @@
 #include "call.h"
 #include "engine.h"
 #include "invariant.h"
+#include "log.h"
 #include "now.h"
 #include "request.h"
 #include "service.h"
@@ -36,6 +37,7 @@ int srv_on_STATS(struct srv_call *call)
     result->engine_bytes_now = eng_alloc_bytes();
     result->memory_bytes_max = service->options->memory_total_max;
     result->memory_refusals = service->quota.refusals;
+    result->log_lines_lost = srv_log_lost();
     strcpy(result->cpu, eng_kernels_name(eng_kernels()));
     return 0;
 }
