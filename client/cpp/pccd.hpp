@@ -254,6 +254,16 @@ struct near_settings : pccd_near_settings {
         end = 1;
     }
 };
+struct rays_settings : pccd_rays_settings {
+    // Points; with `radii` spheres, with two ends capsules (pccd_rays.h).
+    explicit rays_settings(std::uint32_t ray_count, std::uint32_t ends_of_each = 1)
+        : pccd_rays_settings{}
+    {
+        struct_bytes = sizeof(pccd_rays_settings);
+        count = ray_count;
+        ends = ends_of_each;
+    }
+};
 struct object_settings : pccd_object_settings {
     object_settings() : pccd_object_settings{}
     {
@@ -819,6 +829,59 @@ private:
     pccd_answer data_;
 };
 
+// ---- rays -----------------------------------------------------------------------------
+
+// Rays, spheres or capsules, which scene::make_rays has prepared. They are taken out of
+// the scene with this handle.
+class rays {
+public:
+    // Cast all of them from begin to end, doubles, as many vertices as they have ends.
+    result<std::vector<pccd_ray_hit>> try_cast(const positions &begin,
+                                               const positions &end,
+                                               const pccd_step_settings &settings = {})
+    {
+        for (const positions *x : {&begin, &end}) {
+            if (!x->is_whole() || x->count() != vertex_count_ ||
+                x->format() != PCCD_FORMAT_F64) {
+                return error(PCCD_E_INVAL, "rays begin and end at doubles, three for each "
+                                           "end of each");
+            }
+        }
+        std::vector<pccd_ray_hit> hits(count_);
+        const int status = pccd_rays_cast(
+            made_.get_deleter().link.get(), made_.get(),
+            static_cast<const double *>(begin.data()),
+            static_cast<const double *>(end.data()), &settings, hits.data());
+        if (status != PCCD_OK) {
+            return detail::last(made_.get_deleter().link, status);
+        }
+        return hits;
+    }
+    std::vector<pccd_ray_hit> cast(const positions &begin, const positions &end,
+                                   const pccd_step_settings &settings = {})
+    {
+        return try_cast(begin, end, settings).value();
+    }
+
+private:
+    friend class scene;
+    struct free {
+        detail::shared_client link;
+        void operator()(pccd_rays *made) const noexcept
+        {
+            pccd_rays_end(link.get(), made);
+        }
+    };
+    rays(detail::shared_client link, pccd_rays *made, const pccd_rays_settings &settings)
+        : made_(made, free{std::move(link)}), count_(settings.count),
+          vertex_count_(settings.count * (settings.ends == 2 ? 2 : 1))
+    {
+    }
+
+    std::unique_ptr<pccd_rays, free> made_;
+    std::uint32_t count_, vertex_count_;
+};
+
 // ---- scenes ---------------------------------------------------------------------------
 
 class scene : public detail::handle<pccd_scene_destroy> {
@@ -836,6 +899,21 @@ public:
         return object(connection(), this->id(), id, mesh.vertex_count_);
     }
     object add(const mesh &mesh) { return try_add(mesh).value(); }
+
+    // Rays that are cast through this scene.
+    result<rays> try_make_rays(const pccd_rays_settings &settings)
+    {
+        pccd_rays *made = nullptr;
+        const int status = pccd_rays_begin(connection().get(), id(), &settings, &made);
+        if (status != PCCD_OK) {
+            return detail::last(connection(), status);
+        }
+        return rays(connection(), made, settings);
+    }
+    rays make_rays(const pccd_rays_settings &settings)
+    {
+        return try_make_rays(settings).value();
+    }
 
     // Submit and wait.
     result<answer> try_step(motions what, const pccd_step_settings &settings = {})

@@ -7,7 +7,8 @@
 lib_LTLIBRARIES += libpccd.la
 noinst_LTLIBRARIES += libclient.la
 include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_near.h \
-    client/lib/pccd_points.h client/lib/pccd_turning.h client/lib/pccd_weld.h
+    client/lib/pccd_points.h client/lib/pccd_rays.h client/lib/pccd_turning.h \
+    client/lib/pccd_weld.h
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
@@ -27,6 +28,7 @@ libclient_la_SOURCES = \
     client/lib/mesh.c \
     client/lib/page.c \
     client/lib/points.c \
+    client/lib/rays.c \
     client/lib/receive.c \
     client/lib/record.c \
     client/lib/recorder.c \

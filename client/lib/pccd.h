@@ -44,6 +44,7 @@
 #include "pccd_near.h"
 #include "pccd_trace.h"
 #include "pccd_points.h"
+#include "pccd_rays.h"
 #include "pccd_turning.h"
 #include "pccd_types.h"
 #include "pccd_weld.h"

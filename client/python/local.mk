@@ -30,6 +30,7 @@ python_headers = \
     $(top_srcdir)/client/lib/pccd_batch.h \
     $(top_srcdir)/client/lib/pccd_near.h \
     $(top_srcdir)/client/lib/pccd_points.h \
+    $(top_srcdir)/client/lib/pccd_rays.h \
     $(top_srcdir)/client/lib/pccd_turning.h \
     $(top_srcdir)/client/lib/pccd_weld.h \
     $(top_srcdir)/proto/common/pccd_daemon.h \

@@ -12,7 +12,7 @@ set -u
 work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/include"
-cp "$top_srcdir"/client/lib/pccd{,_batch,_near,_points,_turning,_weld}.h "$top_srcdir"/proto/common/pccd_*.h "$work/include"
+cp "$top_srcdir"/client/lib/pccd{,_batch,_near,_points,_rays,_turning,_weld}.h "$top_srcdir"/proto/common/pccd_*.h "$work/include"
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -fsyntax-only -I$work/include"
 
 # The first of its arguments that is a command.
@@ -34,7 +34,7 @@ compiles_alone() {
 }
 
 cxx=$(first_of "${CXX-}" g++ clang++ c++)
-for header in pccd.h pccd_batch.h pccd_near.h pccd_points.h pccd_turning.h pccd_weld.h pccd_daemon.h pccd_trace.h pccd_types.h; do
+for header in pccd.h pccd_batch.h pccd_near.h pccd_points.h pccd_rays.h pccd_turning.h pccd_weld.h pccd_daemon.h pccd_trace.h pccd_types.h; do
     # shellcheck disable=SC2086 # CC may hold flags
     compiles_alone $header c11 c ${CC-cc} -std=c11
     for standard in c++11 c++17; do

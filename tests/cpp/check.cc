@@ -426,6 +426,35 @@ void check_turning(pccd::client &client)
          "joints__are_added_or_refused");
 }
 
+// If one failed, a ray would go through what it hits in C, or a capsule be thin.
+void check_rays(pccd::client &client)
+{
+    const std::vector<vec3> begin = {{.25, .25, 1}, {.25, .25, -1}},
+                            end = {{.25, .25, -1}, {5, 5, -1}}, low = {{.25, .25, 1}};
+    const double radius = .25;
+    pccd::scene scene = client.make_scene();
+    pccd::mesh mesh = client.make_mesh({two, faces});
+    pccd::object object = scene.add(mesh);
+    pccd::rays_settings settings(2);
+    settings.pieces = 1;
+    const std::vector<pccd_ray_hit> hits = scene.make_rays(settings).cast(begin, end);
+    tell(hits.size() == 2 && hits[0].t == 0 && hits[0].object == object.id() &&
+             hits[0].points == 3 && hits[0].feature == 1 && std::isinf(hits[1].t),
+         "rays__hit_what_is_first");
+    settings = pccd::rays_settings(1, 2);
+    settings.radii = &radius;
+    pccd::rays capsule = scene.make_rays(settings);
+    const std::vector<vec3> from = {{.25, .25, -2}, {.25, .25, -1}},
+                            to = {{.25, .25, -1}, {.25, .25, 0}};
+    const std::vector<pccd_ray_hit> hit = capsule.cast(from, to);
+    tell(hit.size() == 1 && hit[0].t > .749 && hit[0].t <= .75 && hit[0].feature == 0 &&
+             std::fabs(hit[0].point[2] + .25) < 1e-6 && hit[0].normal[2] == -1,
+         "rays__are_as_thick_as_said");
+    tell(capsule.try_cast(begin, low).status() == PCCD_E_INVAL &&
+             scene.try_make_rays(pccd::rays_settings(1, 3)).status() == PCCD_E_INVAL,
+         "rays__need_both_ends");
+}
+
 void check_all(pccd::client client)
 {
     check_step(client);
@@ -436,6 +465,7 @@ void check_all(pccd::client client)
     check_errors(client);
     check_motions(client);
     check_turning(client);
+    check_rays(client);
 }
 
 } // namespace

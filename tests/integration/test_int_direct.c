@@ -300,6 +300,91 @@ CASE(direct__answers_as_a_daemon_does)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define RAYS 400u
+
+static void note_scene(void *context, const struct pccd_scene_info *info)
+{
+    *(struct pccd_scene_info *)context = *info;
+}
+
+/* Cast rays through two sheets, a third one that they may not hit, and a mistake. */
+static void cast(struct pccd_client *client, uint32_t ends, struct pccd_ray_hit *hits)
+{
+    static float x[SIDE * SIDE][3];
+    static uint32_t triangles[2 * (SIDE - 1) * (SIDE - 1)][3];
+    static double ways[2][RAYS * 2][3], radii[RAYS];
+    struct pccd_rays_settings settings = PCCD_RAYS_SETTINGS_INIT;
+    struct pccd_object_settings hidden = {.what = PCCD_OBJECT_GROUP, .group = 4};
+    struct prng prng = {7};
+    struct pccd_rays *rays = NULL;
+    uint32_t above = 0;
+    uint32_t scene = test_scene(client);
+    uint32_t object[3];
+
+    fill_triangles(triangles);
+    for (uint32_t i = 0; i < 3; i++) {
+        crumple(x, i, 0);
+        object[i] = test_object(client, scene,
+                                test_mesh(client, x, PCCD_FORMAT_F32, SIDE * SIDE,
+                                          (const uint32_t(*)[3])triangles,
+                                          2 * (SIDE - 1) * (SIDE - 1)));
+    }
+    assert_ok(pccd_object_set(client, scene, object[2], &hidden));
+    for (uint32_t i = 0; i < RAYS; i++) {
+        radii[i] = 0.001 * ends;
+        for (uint32_t k = 0; k < 12; k++) {
+            double at = (double)prng_below(&prng, 23000) * 1e-4;
+            double up = k % 2 == 0 ? 1 : -1;
+            ways[k % 2][i * ends + k / 2 % ends][k / 4] =
+                k / 4 == 2 ? up + 0.01 * at : at;
+        }
+    }
+    settings.count = RAYS;
+    settings.ends = ends;
+    settings.radii = radii;
+    settings.mask = 1;
+    assert_ok(pccd_rays_begin(client, scene, &settings, &rays));
+    ways[1][3][0] = NAN;
+    assert_int_equal(pccd_rays_cast(client, rays, *ways[0], *ways[1], NULL, hits),
+                     PCCD_E_NOTFINITE);
+    assert_non_null(strstr(pccd_error_text(client), "end of ray"));
+    ways[1][3][0] = 1;
+    assert_ok(pccd_rays_cast(client, rays, *ways[0], *ways[1], NULL, hits));
+    for (uint32_t i = 0; i < RAYS; i++) {
+        assert_true(hits[i].t > 0.3 && hits[i].t < 0.52 && hits[i].object != object[2]);
+        assert_true(hits[i].points == 3 || ends == 2);
+        above += hits[i].object == object[1];
+    }
+    assert_true(above > RAYS / 2);
+    pccd_rays_end(client, rays);
+    struct pccd_scene_info info = {.scene = 0};
+    assert_ok(pccd_list_scenes(client, 0, note_scene, &info));
+    assert_int_equal(info.objects, 3);
+    assert_ok(pccd_scene_destroy(client, scene));
+}
+
+/* If it failed, a ray would hit another thing in the process than by a daemon, or where
+ * the answer has several pages; or what is masked, or has ended. */
+CASE(direct__casts_as_a_daemon_does)
+{
+    struct pccd_ray_hit hits[2][RAYS];
+    struct test_daemon daemon;
+    struct pccd_client *client[2] = {connect_direct(), NULL};
+
+    assert_true(test_daemon_start(&daemon, NULL));
+    assert_ok(pccd_connect(
+        &(struct pccd_options){.url = daemon.url, .result_bytes = 1u << 16}, &client[1]));
+    for (uint32_t ends = 1; ends <= 2; ends++) {
+        memset(hits, 0, sizeof hits);
+        cast(client[0], ends, hits[0]);
+        cast(client[1], ends, hits[1]);
+        assert_memory_equal(hits[0], hits[1], sizeof hits[0]);
+    }
+    pccd_close(client[0]);
+    pccd_close(client[1]);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 /* ---- threads ----------------------------------------------------------------------- */
 
 struct worker {

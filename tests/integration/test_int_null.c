@@ -18,6 +18,8 @@ static int call_with_no_client(void)
     struct pccd_batch_part part = {.scene = 1};
     struct pccd_batch *batch = NULL;
     struct pccd_frame frame = {.client = NULL};
+    struct pccd_rays *rays = NULL;
+    struct pccd_ray_hit hit;
     struct pccd_edge edge;
     struct pccd_scene_news news;
     struct pccd_step_event event;
@@ -86,6 +88,8 @@ static int call_with_no_client(void)
         pccd_step_x0x1(NULL, 1, 1, x, x, PCCD_FORMAT_F32, 1, NULL, &answer),
         pccd_submit_near(NULL, 1, NULL, 0, NULL, &step),
         pccd_ask_near(NULL, 1, NULL, 0, NULL, &answer),
+        pccd_rays_begin(NULL, 1, NULL, &rays),
+        pccd_rays_cast(NULL, rays, m, m, NULL, &hit),
         pccd_batch_create(NULL, &part, 1, &batch),
         pccd_batch_begin(NULL, x, x),
         pccd_batch_commit(NULL, NULL, &step),
@@ -113,6 +117,7 @@ static int call_with_no_client(void)
     pccd_batch_release(NULL, &many);
     pccd_batch_abort(NULL);
     pccd_batch_destroy(NULL);
+    pccd_rays_end(NULL, NULL);
     pccd_frame_abort(NULL);
     pccd_frame_abort(&frame);
     pccd_abandon(NULL, 1);

@@ -162,6 +162,9 @@ class Casts(Supervised):
                 for k in np.flatnonzero(np.isfinite(times)):
                     self.assertIn(hits.feature[k], truth[k][1])
                     self.assertEqual(hits.object[k], self.level)
+                    corners = self.x[self.triangles[hits.feature[k]]]
+                    np.testing.assert_allclose(hits.weights[k] @ corners, hits.point[k],
+                                               atol=1e-5)
             rays.close()
         self.fails(pccd.Status.E_INVAL, rays.cast, self.begin[:3], self.end)
 
@@ -191,6 +194,7 @@ class Casts(Supervised):
                 at = (begin + one.t[:, None] * (end - begin))[met & (one.t > 0)]
                 near = np.linalg.norm(at[:, None] - self.x[None], axis=2).min(1)
                 self.assertTrue((near >= 0.25 - 1e-5).all())
+                np.testing.assert_allclose(one.point[met & (one.t > 0)], at, atol=1e-12)
 
 
 if __name__ == "__main__":

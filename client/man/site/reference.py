@@ -14,8 +14,9 @@ import xml.etree.ElementTree as tree
 
 HEADERS = ["client/lib/pccd.h", "client/lib/pccd_near.h", "client/lib/pccd_batch.h",
            "client/lib/pccd_turning.h", "client/lib/pccd_points.h",
-           "client/lib/pccd_weld.h", "proto/common/pccd_types.h",
-           "proto/common/pccd_daemon.h", "proto/common/pccd_trace.h"]
+           "client/lib/pccd_rays.h", "client/lib/pccd_weld.h",
+           "proto/common/pccd_types.h", "proto/common/pccd_daemon.h",
+           "proto/common/pccd_trace.h"]
 # Our comments begin with /* and stand before what they describe, or behind it on its
 # line; a line of dashes begins a part of a header. Doxygen wants /** and /**<.
 FILTER = (r"sed -E 's,^/\* (pccd[a-z_]*\.h) - (.),/** @file \1 \n * \u\2,;"
