@@ -15,6 +15,7 @@ PAGE_FILES = \
     client/inspect/src/dom.js \
     client/inspect/src/find.js \
     client/inspect/src/index.html \
+    client/inspect/src/joints.js \
     client/inspect/src/keys.js \
     client/inspect/src/lanes.js \
     client/inspect/src/main.js \

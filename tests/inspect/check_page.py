@@ -15,8 +15,8 @@ import tempfile
 import unittest
 
 from browser import Browser, is_here
-from scene import (FRAMES, NAME, RADIUS, ObjectsScene, Scene, ThickScene, pccdctl,
-                   positions)
+from scene import (BAR, FRAMES, NAME, RADIUS, TIP, ObjectsScene, Scene, ThickScene,
+                   TurningScene, pccdctl, positions)
 
 SPACE, ENTER, RIGHT, HOME, DOWN = " ", "\ue007", "\ue014", "\ue011", "\ue015"
 TAB, ESCAPE = "\ue004", "\ue00c"
@@ -831,6 +831,42 @@ class Thick(InBrowser):
         self.browser.run("document.activeElement.blur()")
         self.browser.press("t")
         self.assertFalse(self.browser.run("return pccd.state.values.thick"))
+
+
+class Turning(InBrowser):
+    # If it failed, what turns would be drawn on straight ways: a half turn would go
+    # through its axis, and what the body meets would lie beside it.
+    def test_view__draws_what_turns_and_its_contacts_on_arcs(self):
+        scene = TurningScene(All.folder)
+        self.open(scene.page)
+        self.set("step", 0)
+        origin = self.browser.run("return pccd.data.meta.origin")
+        areas = []
+        for t, place in ((0, lambda x, y: (x, y)), (0.5, lambda x, y: (-y, x)),
+                         (1, lambda x, y: (-x, -y))):
+            self.browser.run("""
+                pccd.state.set({kinds: [], t: arguments[0], hidden: new Set()});
+                pccd.view.picture();""", t)
+            given = self.browser.run("return pccd.positions(0)")
+            true = [x for a, b, z in BAR for x in (*place(a, b), z)]
+            self.assertLess(max(abs(x + origin[i % 3] - true[i])
+                                for i, x in enumerate(given)), 1e-5)
+            self.browser.frames()
+            self.browser.run(CHANGED)
+            self.browser.run("""
+                pccd.state.set({hidden: new Set([pccd.data.step(0).objects[0].handle])});
+                """)
+            self.browser.frames()
+            areas.append(sum(self.browser.run(CHANGED)))
+        self.assertGreater(3 * areas[1], max(areas))
+        self.browser.run("pccd.state.set({kinds: [true, true, true, true, true]})")
+        self.browser.frames()
+        self.browser.run("document.querySelector('#contact-rows .row').click()")
+        self.browser.frames()
+        place = self.facts("detail-facts")["place"].strip("()").split(", ")
+        self.assertLess(math.dist([float(x) for x in place], TIP), 1e-3)
+        self.picture("inspect-turning")
+        self.assertEqual(self.browser.said(), [])
 
 
 class Lean(InBrowser):

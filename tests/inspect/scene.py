@@ -111,6 +111,31 @@ class ThickScene:
         self.page = os.path.join(folder, "thick.html")
 
 
+BAR = [(x, y, z) for x in (-2, 2) for y in (-.2, .2) for z in (-.3, .3)]
+BAR_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4),
+             (1, 5, 7, 3)]
+TIP = (0, 1.2, .1)
+
+
+class TurningScene:
+    """A bar in `folder` that turns by half a turn about z, and whose side meets the tip
+    of a triangle on its way."""
+
+    def __init__(self, folder):
+        tip = [TIP, (-1, 1.2, 1), (-1, 1.2, -1)]
+        for name, places, faces in (("bar", BAR, BAR_FACES), ("tip", tip, [(0, 1, 2)])):
+            with open(os.path.join(folder, f"{name}.obj"), "w") as to:
+                to.writelines("v %g %g %g\n" % place for place in places)
+                to.writelines(f"f {' '.join(str(i + 1) for i in face)}\n"
+                              for face in faces)
+        pccdctl("record", "-o", "turning.rec", "--", os.environ["PCCDCTL"], "check",
+                "--motion", "screw", "--axis", "0,0,1", "--angle", "180deg", "bar.obj",
+                "tip.obj", folder=folder)
+        pccdctl("inspect", "turning.rec", "-o", "turning.html", "--up", "z",
+                folder=folder)
+        self.page = os.path.join(folder, "turning.html")
+
+
 class ObjectsScene:
     """A sheet that comes down through two triangles, by a scene file in `folder` that
     names them; `pairs`: how many contacts check found between each two."""

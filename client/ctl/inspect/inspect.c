@@ -12,7 +12,7 @@
 #include "recorded_state.h"
 #include "report.h"
 
-#define FORMAT 3 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 4 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
@@ -237,15 +237,6 @@ static char up_of(const struct inspect *inspect, const struct record_begin *begi
     return 'y';
 }
 
-static bool has_turning(const struct registry_scene *scene)
-{
-    bool has = false;
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        has = has || scene->objects[i].turned;
-    }
-    return has;
-}
-
 /* Everything of a step: its description, its data, and the meshes that it brings. */
 static json_t *describe(struct inspect *inspect, const struct play_step *step,
                         const char *compared, json_t *meshes)
@@ -258,7 +249,7 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set(object, "answer", answer_of(step->answer, &ok), &ok);
     set(object, "objects",
         inspect_pack_objects(inspect, step->scene, INSPECT_BOTH, meshes), &ok);
-    set(object, "turns", json_boolean(has_turning(step->scene)), &ok);
+    set(object, "joints", inspect_pack_joints(inspect, &step->joints), &ok);
     set(object, "separation", json_real(step->separation.separation), &ok);
     set(object, "approach", json_real(step->separation.approach), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);

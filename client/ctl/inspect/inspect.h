@@ -69,6 +69,7 @@ uint64_t page_file_json_bytes(const json_t *value);
  *     radii      f32 of vertices, in the page's unit
  *     positions  f32[3] relative to the page's origin, in its unit; or, rounded,
  *                f32[3] low, f32[3] step, then u16[3] in which x = low + step * number
+ *     joints     struct pccd_joint, as recorded
  *     contacts   struct inspect_contact; boxes: struct pccd_box, in the same way
  *     lines      struct inspect_line; events: struct inspect_event */
 
@@ -158,11 +159,15 @@ struct inspect {
 
 /* Ends of a step at which inspect_pack_objects packs objects. */
 enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
-/* Return [{"handle", "mesh", "x0", "x1", "radius"}] of a scene; x0 and x1 are at both
- * ends of its step, or both at one of them. `meshes` gets those that are not in the file
- * yet. Edges of the scene's meshes are known. */
+/* Return [{"handle", "mesh", "x0", "x1", "radius", "joint"}] of a scene; x0 and x1 are at
+ * both ends of its step, or both at one of them; "joint" is null of what goes straight.
+ * `meshes` gets those that are not in the file yet. Edges of the scene's meshes are
+ * known. */
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
                              enum inspect_moment moment, json_t *meshes);
+/* Return {"at", "count"} of the joints of a step. */
+json_t *inspect_pack_joints(struct inspect *inspect,
+                            const struct recorded_joints *joints);
 /* Return {"at", "count"} of the contacts, or of the pairs of mode pairs, as contacts at
  * t = 0. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);

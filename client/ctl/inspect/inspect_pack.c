@@ -69,6 +69,7 @@ _Static_assert(sizeof(struct inspect_contact) == 24, "data.js reads 24 bytes");
 _Static_assert(PCCD_KIND_COUNT <= 1 << (8 - INSPECT_KIND_SHIFT), "a kind has its room");
 _Static_assert(sizeof(struct inspect_line) == 48, "data.js reads 48 bytes");
 _Static_assert(sizeof(struct inspect_event) == 20, "data.js reads 20 bytes");
+_Static_assert(sizeof(struct pccd_joint) == 136, "joints.js reads 136 bytes");
 
 json_t *inspect_section(const struct inspect *inspect, size_t offset)
 {
@@ -296,15 +297,28 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
         double(*end)[3] = moment == INSPECT_BEGIN ? object->x0 : object->x1;
         json_t *x0 = pack_positions(inspect, place, (const double(*)[3])begin, count);
         json_t *x1 = pack_positions(inspect, place, (const double(*)[3])end, count);
-        json_t *item = json_pack("{s:I, s:I, s:o, s:o, s:f}", "handle",
-                                 (json_int_t)object->handle, "mesh", (json_int_t)mesh,
-                                 "x0", x0, "x1", x1, "radius", object->attributes.radius);
+        bool turns = moment == INSPECT_BOTH && object->turned;
+        json_t *item =
+            json_pack("{s:I, s:I, s:o, s:o, s:f, s:o}", "handle",
+                      (json_int_t)object->handle, "mesh", (json_int_t)mesh, "x0", x0,
+                      "x1", x1, "radius", object->attributes.radius, "joint",
+                      turns ? json_integer(object->joint) : json_null());
         if (json_array_append_new(objects, item) != 0) {
             json_decref(objects);
             return NULL;
         }
     }
     return objects;
+}
+
+json_t *inspect_pack_joints(struct inspect *inspect, const struct recorded_joints *joints)
+{
+    size_t bytes = joints->count * sizeof *joints->items, offset = 0;
+    void *to = bytes_section(&inspect->data, bytes, &offset);
+    if (to != NULL && bytes > 0) {
+        memcpy(to, joints->items, bytes);
+    }
+    return to != NULL ? counted(inspect, offset, joints->count) : NULL;
 }
 
 /* ---- contacts ---------------------------------------------------------------------- */

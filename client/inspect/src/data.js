@@ -3,9 +3,12 @@
 // Each blob is an element with base64 text of what zlib has compressed, which a browser unpacks
 // in the background: `load` a step before `step` is asked for it.
 
-import { byId } from "./dom.js";
+import { Vector3 } from "three";
 
-const FORMAT = 3;
+import { byId } from "./dom.js";
+import { makePose, readJoints } from "./joints.js";
+
+const FORMAT = 4;
 const KIND_SHIFT = 6; // of a contact's kind, over its flags
 export const INITIAL = 2;
 export const INSIDE = 4;
@@ -185,12 +188,32 @@ function weightsOf(kind, u, v) {
   return [kind === 1 ? [1 - u, u] : [1], [[1 - u - v, u, v], [1 - v, v], [1 - v, v], [1]][kind]];
 }
 
-/** Add to a place, `factor` times, where weighed vertices of an object are between x0 and x1. */
-function addPoint(places, place, factor, { x0, x1 }, vertices, weights, t) {
+/** Where something of an object is at a time that is at `from` at t = 0 and at `to` at t = 1. */
+function placeAt({ poseAt }, from, to, t) {
+  return poseAt ? new Vector3(...from).applyMatrix4(poseAt(t)).toArray()
+    : from.map((x, k) => x + t * (to[k] - x));
+}
+
+const tripleOf = (x, i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]];
+
+/** Where a vertex of an object is at a time. */
+export const vertexAt = (object, vertex, t) =>
+  placeAt(object, tripleOf(object.x0, vertex), tripleOf(object.x1, vertex), t);
+
+/** Where all of them are. */
+export const verticesAt = (object, t) =>
+  Float32Array.from(Array.from({ length: object.mesh.vertexCount }, (_, i) => vertexAt(object, i, t)).flat());
+
+/** Where contact `i` of a step is at a time: on its second feature. */
+export const contactAt = ({ objects, contacts, at0, at1 }, i, t) =>
+  placeAt(objects[contacts.objectB[i]], tripleOf(at0, i), tripleOf(at1, i), t);
+
+/** Add to a place, `factor` times, where weighed vertices of an object are at a time. */
+function addPoint(places, place, factor, object, vertices, weights, t) {
   for (let i = 0; i < vertices.length; i++) {
+    const at = vertexAt(object, vertices[i], t);
     for (let k = 0; k < 3; k++) {
-      const from = x0[3 * vertices[i] + k];
-      places[3 * place + k] += factor * weights[i] * (from + t * (x1[3 * vertices[i] + k] - from));
+      places[3 * place + k] += factor * weights[i] * at[k];
     }
   }
 }
@@ -246,7 +269,7 @@ function placesOf(step, meshes) {
   const ofMesh = ({ at, edges, points, radii }) => [at, edges.at, points.at, ...(radii ? [radii] : [])];
   return [
     ...step.objects.flatMap(({ x0, x1, mesh }) => [x0, x1, ...ofMesh(meshes[mesh])]),
-    ...counted(step.contacts), ...counted(step.lines), ...counted(step.events),
+    ...counted(step.contacts), ...counted(step.lines), ...counted(step.events), ...counted(step.joints),
     ...Object.values(step.boxes).flat().map(({ at }) => at),
   ];
 }
@@ -293,6 +316,7 @@ export function readData() {
     const numbers = [...new Set(placesOf(from, meta.meshes).map(([number]) => number))];
     const bytes = new Map(await Promise.all(numbers.map(async (number) => [number, await blob(number)])));
     const section = ([number, offset], count) => bytes.get(number).slice(offset, offset + count);
+    const joints = from.joints ? readJoints(section, from.joints) : [];
     const objects = from.objects.map((object, place) => {
       if (!meshes.has(object.mesh)) {
         meshes.set(object.mesh, readMesh(section, object.mesh));
@@ -308,6 +332,7 @@ export function readData() {
         x1: read(object.x1),
         key1: object.x1.join(),
         key0: object.x0.join(),
+        poseAt: object.joint === null ? null : makePose(joints, object.joint, meta),
       };
     });
     const contacts = from.lines ? readLines(section, from.lines) : readContacts(section, from.contacts);
@@ -316,6 +341,7 @@ export function readData() {
     contacts.normal ??= places.normal;
     return {
       ...from, separation, index, objects, contacts, ...places,
+      turns: objects.some(({ poseAt }) => poseAt !== null),
       events: from.events === null ? [] : readEvents(section, from.events),
       /** Boxes of a level as 12 floats each: low and high at t = 0, low and high at t = 1. */
       boxesAt(tree, level) {

@@ -4,11 +4,11 @@ import { keepAddress, readAddress } from "./address.js";
 import { scaleGradient, setTheme } from "./colours.js";
 import { makeContacts } from "./contacts.js";
 import { makeCounters } from "./counters.js";
-import { KINDS, readData } from "./data.js";
+import { KINDS, readData, vertexAt, verticesAt } from "./data.js";
 import { byId, oncePerFrame, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
-import { between, featuresOf } from "./marks.js";
+import { featuresOf } from "./marks.js";
 import { makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, recordText } from "./panels.js";
 import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
@@ -26,7 +26,7 @@ function fail(text) {
 /** How large a contact's features are, to be seen from near. */
 function sizeOf(step, i, radius) {
   const points = featuresOf(step, i).flatMap(({ object, vertices }) =>
-    vertices.map((vertex) => between(object.x0, object.x1, vertex, 1)));
+    vertices.map((vertex) => vertexAt(object, vertex, 1)));
   let longest = 0;
   for (const p of points) {
     for (const q of points) {
@@ -247,10 +247,8 @@ async function start() {
   // For consoles, and for the tests of the page.
   window.pccd = {
     data, state, view, fly: does.fly,
-    positions: (object) => {
-      const { x0, x1 } = data.step(state.values.index).objects[object];
-      return Array.from(x0, (x, i) => x + state.values.t * (x1[i] - x));
-    },
+    positions: (object) =>
+      [...verticesAt(data.step(state.values.index).objects[object], state.values.t)],
   };
 }
 

@@ -6,7 +6,7 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
 import { colourOfTime } from "./colours.js";
-import { CROSSING, KINDS, verticesOf } from "./data.js";
+import { CROSSING, KINDS, contactAt, vertexAt, verticesOf } from "./data.js";
 import { pointMaterial, stickMaterial, surfaceMaterial } from "./shaders.js";
 
 /** The corners of both features of contact `i`: [{object, vertices}, ...]. */
@@ -21,22 +21,22 @@ export function featuresOf({ contacts, objects }, i) {
 /** How far apart the features of a contact are when they meet. */
 export const apartOf = ({ reach }, i) => Math.hypot(...reach.subarray(3 * i, 3 * i + 3));
 
-/** A place between its two ends. */
-export const between = (x0, x1, i, t) =>
-  [0, 1, 2].map((k) => x0[3 * i + k] + t * (x1[3 * i + k] - x0[3 * i + k]));
+const ARC_PARTS = 64; // straight ones, in which the way of a vertex that turns is drawn
 
-/** Vertices of an object at both ends. */
-function corners({ object, vertices }) {
-  const [at, target] = [0, 1].map((t) =>
-    vertices.flatMap((vertex) => between(object.x0, object.x1, vertex, t)));
-  return { at, target };
+/** Vertices of an object at a time. */
+const corners = ({ object, vertices }, t) => vertices.flatMap((vertex) => vertexAt(object, vertex, t));
+
+/** The way of a vertex in the step, as ends of segments. */
+function wayOf(object, vertex) {
+  const parts = object.poseAt ? ARC_PARTS : 1;
+  return Array.from({ length: parts }, (_, i) => [i / parts, (i + 1) / parts]).flat()
+    .flatMap((t) => vertexAt(object, vertex, t));
 }
 
-function geometryOf({ at, target }, index = null) {
+function geometryOf({ at, target }) {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(Float32Array.from(at), 3));
-  geometry.setAttribute("target", new BufferAttribute(Float32Array.from(target), 3));
-  geometry.setIndex(index);
+  geometry.setAttribute("position", new BufferAttribute(at, 3));
+  geometry.setAttribute("target", new BufferAttribute(target, 3));
   return geometry;
 }
 
@@ -75,11 +75,13 @@ const columns = (count) => ({
   colour: new Float32Array(3 * count), toi: new Float32Array(count),
 });
 
-/** The foot of contact `i`, or a part of the way from there to its first feature. */
-function putMark({ at, target, colour, toi }, place, { at0, at1, reach, contacts }, i, part) {
+/** The foot of contact `i`, or a part of the way from there to its first feature, at two times. */
+function putMark({ at, target, colour, toi }, place, step, i, part, times) {
+  const { reach, contacts } = step;
+  const [from, to] = times.map((t) => contactAt(step, i, t));
   for (let k = 0; k < 3; k++) {
-    at[3 * place + k] = at0[3 * i + k] + part * reach[3 * i + k];
-    target[3 * place + k] = at1[3 * i + k] + part * reach[3 * i + k];
+    at[3 * place + k] = from[k] + part * reach[3 * i + k];
+    target[3 * place + k] = to[k] + part * reach[3 * i + k];
   }
   colour.set(colourOfTime(contacts.toi[i]), 3 * place);
   toi[place] = contacts.toi[i];
@@ -90,7 +92,8 @@ export function makeMarks(group, uniforms) {
   const sticks = new LineSegments(new BufferGeometry(), stickMaterial(uniforms));
   const chosen = new Group();
   let near = null;
-  let ways = []; // {lines, at, target}: to be placed at a time
+  let ways = []; // functions that place parts of what is chosen at a time
+  let marked = null; // the arguments of showMarks
   for (const one of [points, sticks]) {
     one.frustumCulled = false;
     one.renderOrder = 2;
@@ -106,16 +109,27 @@ export function makeMarks(group, uniforms) {
     ways = [];
   }
 
-  function placeWays(t) {
-    for (const { lines, at, target } of ways) {
-      lines.geometry.setPositions(at.map((x, i) => x + t * (target[i] - x)));
-    }
+  const placeWays = (t) => ways.forEach((place) => place(t));
+
+  /** `ends`: a function of the time. */
+  function addLines(ends, colour, width) {
+    const lines = wideLines(colour, width);
+    ways.push((t) => lines.geometry.setPositions(ends(t)));
+    chosen.add(lines);
   }
 
-  function addLines({ at, target }, colour, width) {
-    const lines = wideLines(colour, width);
-    ways.push({ lines, at, target });
-    chosen.add(lines);
+  function addFace(feature, colour) {
+    const at = new Float32Array(9);
+    const face = new Mesh(geometryOf({ at, target: at }), surfaceMaterial(uniforms, colour));
+    face.material.polygonOffsetFactor = -1;
+    face.frustumCulled = false;
+    ways.push((t) => {
+      at.set(corners(feature, t));
+      for (const name of ["position", "target"]) {
+        face.geometry.getAttribute(name).needsUpdate = true;
+      }
+    });
+    chosen.add(face);
   }
 
   /** The features of a contact, drawn over everything, and its normal. */
@@ -126,55 +140,56 @@ export function makeMarks(group, uniforms) {
       return; // a record that names what there is not
     }
     if (b.vertices.length === 3) {
-      const face = new Mesh(geometryOf(corners(b), [0, 1, 2]), surfaceMaterial(uniforms, colours.b));
-      face.material.polygonOffsetFactor = -1;
-      face.frustumCulled = false;
-      chosen.add(face);
+      addFace(b, colours.b);
     }
     features.forEach((feature, side) => {
       const { length } = feature.vertices;
       const ends = feature.vertices.flatMap((vertex, k) => (length > 2 || k === 0
         ? [vertex, feature.vertices[(k + 1) % length]] : []));
       if (length > 1) {
-        addLines(corners({ object: feature.object, vertices: ends }), side === 0 ? colours.a : colours.b, 3.5);
+        addLines((t) => corners({ object: feature.object, vertices: ends }, t), side === 0 ? colours.a : colours.b, 3.5);
       }
     });
-    features.forEach(({ object: { x0, x1 }, vertices }, side) => {
-      if (vertices.length === 1) { // its way during the step
-        const way = [0, 1].flatMap((t) => between(x0, x1, vertices[0], t));
-        addLines({ at: way, target: way }, side === 0 ? colours.a : colours.b, 2.5);
+    features.forEach(({ object, vertices }, side) => {
+      if (vertices.length === 1) {
+        const way = wayOf(object, vertices[0]);
+        addLines(() => way, side === 0 ? colours.a : colours.b, 2.5);
       }
     });
     const isApart = apartOf(step, i) > 0; // then to where the first feature is
     const tip = [0, 1, 2].map((k) => (isApart ? step.reach[3 * i + k] : size * step.contacts.normal[3 * i + k]));
-    const [at, target] = [0, 1].map((t) => {
-      const foot = between(step.at0, step.at1, i, t);
+    addLines((t) => {
+      const foot = contactAt(step, i, t);
       return [...foot, ...foot.map((x, k) => x + tip[k])];
+    }, colours.normal, 2);
+  }
+
+  /** Where nothing turns, marks go from t = 0 to 1 by themselves. */
+  function showMarks(step, picked, isThick) {
+    const times = step.turns ? [uniforms.t.value, uniforms.t.value] : [0, 1];
+    const dots = columns(picked.length);
+    const apart = step.near ? [] : picked.filter((i) => apartOf(step, i) > 0); // has lines
+    const ends = columns(2 * apart.length);
+    picked.forEach((i, place) => putMark(dots, place, step, i, isThick ? step.share[i] : 0, times));
+    apart.forEach((i, place) => {
+      putMark(ends, 2 * place, step, i, 0, times);
+      putMark(ends, 2 * place + 1, step, i, 1, times);
     });
-    addLines({ at, target }, colours.normal, 2);
+    for (const [one, part] of [[points, dots], [sticks, ends]]) {
+      one.geometry.dispose();
+      one.geometry = geometryOf(part);
+      one.geometry.setAttribute("colour", new BufferAttribute(part.colour, 3));
+      one.geometry.setAttribute("toi", new BufferAttribute(part.toi, 1));
+      one.visible = part.toi.length > 0;
+    }
+    marked = [step, picked, isThick];
+    return apart.length;
   }
 
   return {
     /** `picked`: places of the contacts to be drawn; `isThick`: where thick things touch. Returns
      * how many are at a distance, and so have a stick to their other feature. */
-    show(step, picked, isThick) {
-      const dots = columns(picked.length);
-      const apart = step.near ? [] : picked.filter((i) => apartOf(step, i) > 0); // has lines
-      const ends = columns(2 * apart.length);
-      picked.forEach((i, place) => putMark(dots, place, step, i, isThick ? step.share[i] : 0));
-      apart.forEach((i, place) => {
-        putMark(ends, 2 * place, step, i, 0);
-        putMark(ends, 2 * place + 1, step, i, 1);
-      });
-      for (const [one, part] of [[points, dots], [sticks, ends]]) {
-        one.geometry.dispose();
-        one.geometry = geometryOf(part);
-        one.geometry.setAttribute("colour", new BufferAttribute(part.colour, 3));
-        one.geometry.setAttribute("toi", new BufferAttribute(part.toi, 1));
-        one.visible = part.toi.length > 0;
-      }
-      return apart.length;
-    },
+    show: showMarks,
     /** Lines of a question about what is near; returns how many there are. */
     showLines(step, picked, crossingColour) {
       if (near) {
@@ -196,6 +211,11 @@ export function makeMarks(group, uniforms) {
         placeWays(uniforms.t.value);
       }
     },
-    setTime: placeWays,
+    setTime(t) {
+      placeWays(t);
+      if (marked?.[0].turns) {
+        showMarks(...marked);
+      }
+    },
   };
 }

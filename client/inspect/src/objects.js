@@ -1,23 +1,34 @@
 // objects.js - the surfaces of a step's objects, with their edges; rods and points.
 
-import { BufferAttribute, BufferGeometry, LineSegments, Mesh } from "three";
+import { BufferAttribute, BufferGeometry, LineSegments, Matrix4, Mesh } from "three";
 
 import { colourOfObject } from "./colours.js";
+import { verticesAt } from "./data.js";
 import { lineMaterial, surfaceMaterial } from "./shaders.js";
 import { makeSolids } from "./solids.js";
 
+const TIMES = [0, 1, 2, 3, 4, 5, 6, 7, 8].map((i) => i / 8); // at which the arcs are measured
+
 /** Keeps one surface for each object of the step shown, and changes only what moved. */
 export function makeObjects(group, uniforms) {
-  let shown = []; // {handle, mesh, key0, key1, surface, wires, solids}
+  let shown = []; // {handle, mesh, own, poseAt, key0, key1, surface, wires, solids}
 
   function make(object, index) {
     const geometry = new BufferGeometry();
+    const own = { ...uniforms, turns: { value: false }, pose: { value: new Matrix4() } };
     geometry.setIndex(new BufferAttribute(object.mesh.triangles, 1));
-    const surface = new Mesh(geometry, surfaceMaterial(uniforms, colourOfObject(index)));
+    const surface = new Mesh(geometry, surfaceMaterial(own, colourOfObject(index)));
     surface.frustumCulled = false; // its box is of another time
     group.add(surface);
-    const solids = makeSolids(group, uniforms, index);
-    return { handle: object.handle, mesh: object.mesh.number, surface, wires: null, solids };
+    const solids = makeSolids(group, own, index);
+    return { handle: object.handle, mesh: object.mesh.number, own, surface, wires: null, solids };
+  }
+
+  function turn({ own, poseAt }, t) {
+    own.turns.value = poseAt !== null;
+    if (poseAt) {
+      own.pose.value = poseAt(t);
+    }
   }
 
   function place(item, object) {
@@ -31,6 +42,8 @@ export function makeObjects(group, uniforms) {
       item.key0 = object.key0;
       item.key1 = object.key1;
     }
+    item.poseAt = object.poseAt;
+    turn(item, uniforms.t.value);
   }
 
   function drop(item) {
@@ -50,7 +63,7 @@ export function makeObjects(group, uniforms) {
     for (const name of ["position", "target"]) {
       geometry.setAttribute(name, item.surface.geometry.getAttribute(name));
     }
-    item.wires = new LineSegments(geometry, lineMaterial(uniforms, colour, 0.22));
+    item.wires = new LineSegments(geometry, lineMaterial(item.own, colour, 0.22));
     item.wires.frustumCulled = false;
     group.add(item.wires);
   }
@@ -83,19 +96,21 @@ export function makeObjects(group, uniforms) {
       shown.slice(step.objects.length).forEach(drop);
       shown = kept;
     },
+    setTime: (t) => shown.forEach((item) => turn(item, t)),
   };
 }
 
-/** The box around some objects at both ends, with room for their radii: {low, high}, or null
- * without a vertex. */
+/** The box around some objects at both ends, and between them where they turn, with room for their
+ * radii: {low, high}, or null without a vertex. */
 export function extentOf(objects, gap) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  for (const { x0, x1, radius, mesh } of objects) {
+  for (const object of objects) {
+    const { x0, x1, radius, mesh, poseAt } = object;
     const isRound = gap !== null || mesh.rods.length > 0 || mesh.points.length > 0;
     const most = radius > 0 || !mesh.radii ? radius : mesh.radii.reduce((a, b) => Math.max(a, b), 0);
     const room = isRound ? most + (gap ?? 0) : 0;
-    for (const x of [x0, x1]) {
+    for (const x of poseAt ? TIMES.map((t) => verticesAt(object, t)) : [x0, x1]) {
       for (let i = 0; i < x.length; i++) {
         const k = i % 3;
         low[k] = Math.min(low[k], x[i] - room);

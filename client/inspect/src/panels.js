@@ -3,9 +3,9 @@
 
 import { TREES } from "./boxes.js";
 import { PHASES, colourOfObject, cssOf, nameOfColour } from "./colours.js";
-import { KINDS } from "./data.js";
+import { KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
-import { apartOf, between } from "./marks.js";
+import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
 import { digits, featureText, flagText, measureOf, nounOf, sentenceOf, sideOf } from "./words.js";
 
@@ -74,7 +74,7 @@ function stepFacts({ answer, turns }) {
   const isTimed = !["pairs", "any"].includes(answer.mode);
   return [
     ...(isTimed ? [fact("safe step", digits(answer.safe_step), "up to this t nothing meets")] : []),
-    ...(turns ? [fact("bodies on joints", "drawn right at t = 0 and 1", "between them they turn, but this page draws them, their contacts and boxes on straight ways; pccdctl render --time has their arcs")] : []),
+    ...(turns ? [fact("bodies on joints", "on their arcs", "they, and contacts on them, are drawn where they turn; boxes of hierarchies go straight from t = 0 to 1")] : []),
     ...(answer.initial > 0 ? [fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance")] : []),
     ...(answer.possible > 0 ? [fact("possible", count(answer.possible), "not proved")] : []),
   ];
@@ -121,7 +121,7 @@ const pointText = (x) => `(${x.map(digits).join(", ")})`;
 
 /** Where record `i` is, in the recording's own coordinates. */
 function placeText(step, i, { origin, unit }) {
-  return pointText(between(step.at0, step.at1, i, step.near ? 0 : step.contacts.toi[i]).map((x, k) => x * unit + origin[k]));
+  return pointText(contactAt(step, i, step.near ? 0 : step.contacts.toi[i]).map((x, k) => x * unit + origin[k]));
 }
 
 /** What is known of a record: [name, text]. */

@@ -1,12 +1,13 @@
 // scene.js - the three-dimensional view: camera, ground, and what is drawn.
 
-import { Color, Group, Mesh, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderer,
-} from "three";
+import { Color, Group, Matrix4, Mesh, PerspectiveCamera, PlaneGeometry, Scene, Vector3,
+  WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { makeBoxes } from "./boxes.js";
+import { contactAt } from "./data.js";
 import { colourOf, oncePerFrame } from "./dom.js";
-import { between, makeMarks } from "./marks.js";
+import { makeMarks } from "./marks.js";
 import { extentOf, makeObjects } from "./objects.js";
 import { groundMaterial, upVector } from "./shaders.js";
 
@@ -39,7 +40,7 @@ export function makeScene(canvas, onMove) {
   let controls = null;
   const uniforms = {
     t: { value: 1 }, pixel: { value: 1e-3 }, size: { value: 12 }, rim: { value: 0 }, opacity: { value: 1 },
-    up: { value: upVector("y") }, ring: { value: new Color() },
+    up: { value: upVector("y") }, ring: { value: new Color() }, turns: { value: false }, pose: { value: new Matrix4() },
   };
   const groundUniforms = { colour: { value: new Color() }, cells: { value: 80 } };
   const ground = new Mesh(new PlaneGeometry(1, 1), groundMaterial(groundUniforms));
@@ -115,7 +116,7 @@ export function makeScene(canvas, onMove) {
 
   /** Where a contact is on the canvas at a time: [x, y] in pixels, and how deep. */
   function placeOf(step, i, t) {
-    const at = new Vector3(...between(step.at0, step.at1, i, t)).project(camera);
+    const at = new Vector3(...contactAt(step, i, t)).project(camera);
     return [((at.x + 1) / 2) * canvas.clientWidth, ((1 - at.y) / 2) * canvas.clientHeight, at.z];
   }
 
@@ -144,6 +145,7 @@ export function makeScene(canvas, onMove) {
     },
     setTime(t) {
       uniforms.t.value = t;
+      objects.setTime(t);
       marks.setTime(t);
       draw();
     },
@@ -182,7 +184,7 @@ export function makeScene(canvas, onMove) {
     /** Look at a contact from outside of the face, or of where it is now: with the scene around it,
      * or, `isClose`, with its features alone. */
     flyToContact(step, i, t, size, isClose) {
-      const at = new Vector3(...between(step.at0, step.at1, i, t));
+      const at = new Vector3(...contactAt(step, i, t));
       const direction = camera.position.clone().sub(controls.target).normalize();
       const normal = new Vector3().fromArray(step.contacts.normal, 3 * i);
       if (normal.lengthSq() > 0.25 && normal.dot(direction) < -0.2) {

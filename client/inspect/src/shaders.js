@@ -1,9 +1,18 @@
-// shaders.js - everything that moves is placed between x0 and x1 where it is drawn.
+// shaders.js - everything that moves is placed where it is drawn, between x0 and x1 or on its arc.
 
 import { BackSide, Color, DoubleSide, ShaderMaterial, Vector3 } from "three";
 
-const MOVE = `
+/** Where something is that is at x0 and x1 at the ends of the step. */
+const PLACED = `
 uniform float t;
+uniform bool turns; // then pose takes x0 to where it is
+uniform mat4 pose;
+vec3 placed(vec3 x0, vec3 x1) {
+  return turns ? (pose * vec4(x0, 1.0)).xyz : mix(x0, x1, t);
+}
+`;
+
+const MOVE = `${PLACED}
 attribute vec3 target;
 `;
 
@@ -43,7 +52,7 @@ export function surfaceMaterial(uniforms, colour) {
     vertexShader: `${MOVE}
 varying vec3 seen;
 void main() {
-  vec4 at = modelViewMatrix * vec4(mix(position, target, t), 1.0);
+  vec4 at = modelViewMatrix * vec4(placed(position, target), 1.0);
   seen = at.xyz;
   gl_Position = projectionMatrix * at;
 }`,
@@ -60,14 +69,13 @@ export function sidesMaterial(uniforms, colour) {
     polygonOffset: true, // along an edge they are in front of what rounds it
     polygonOffsetFactor: -1,
     polygonOffsetUnits: -4,
-    vertexShader: `
-uniform float t;
+    vertexShader: `${PLACED}
 attribute vec2 corner; // which, and on which side
 attribute vec3 a0, b0, c0, a1, b1, c1;
 attribute float radius;
 varying vec3 seen;
 void main() {
-  vec3 a = mix(a0, a1, t), b = mix(b0, b1, t), c = mix(c0, c1, t);
+  vec3 a = placed(a0, a1), b = placed(b0, b1), c = placed(c0, c1);
   vec3 out_ = cross(b - a, c - a);
   float size = length(out_);
   vec3 at = corner.x < 0.5 ? a : corner.x < 1.5 ? b : c;
@@ -86,8 +94,7 @@ export function capsuleMaterial(uniforms, colour) {
   return new ShaderMaterial({
     uniforms: { ...uniforms, colour: { value: new Color(...colour) } },
     side: BackSide, // is seen also from within the box
-    vertexShader: `
-uniform float t;
+    vertexShader: `${PLACED}
 uniform float pixel; // its size at the distance 1
 attribute vec3 from0, to0, from1, to1;
 attribute vec2 size; // radius; how many pixels at least
@@ -95,8 +102,8 @@ varying vec3 seen;
 flat varying vec3 begin, end;
 flat varying float radius;
 void main() {
-  begin = (modelViewMatrix * vec4(mix(from0, from1, t), 1.0)).xyz;
-  end = (modelViewMatrix * vec4(mix(to0, to1, t), 1.0)).xyz;
+  begin = (modelViewMatrix * vec4(placed(from0, from1), 1.0)).xyz;
+  end = (modelViewMatrix * vec4(placed(to0, to1), 1.0)).xyz;
   radius = max(size.x, size.y * pixel * -0.5 * (begin.z + end.z));
   vec3 way = end - begin;
   float half_ = 0.5 * length(way);
@@ -163,7 +170,7 @@ export function lineMaterial(uniforms, colour, opacity) {
     depthWrite: false,
     vertexShader: `${MOVE}
 void main() {
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(mix(position, target, t), 1.0);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(placed(position, target), 1.0);
 }`,
     fragmentShader: `
 uniform vec3 colour;
@@ -187,7 +194,7 @@ attribute float toi;
 varying vec3 shade;
 varying float lit;
 void main() {
-  vec4 at = modelViewMatrix * vec4(mix(position, target, t), 1.0);
+  vec4 at = modelViewMatrix * vec4(placed(position, target), 1.0);
   lit = toi <= t + 1e-6 ? 1.0 : 0.0;
   shade = colour;
   gl_PointSize = size * (lit > 0.5 ? 1.0 : 0.62);
@@ -222,7 +229,7 @@ attribute float toi;
 varying vec4 shade;
 void main() {
   shade = vec4(colour, toi <= t + 1e-6 ? 1.0 : 0.38);
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(mix(position, target, t), 1.0);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(placed(position, target), 1.0);
 }`,
     fragmentShader: `
 varying vec4 shade;
