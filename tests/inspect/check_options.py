@@ -7,6 +7,7 @@ Does:     options, exit statuses, size; the data against what check said.
 import array
 import json
 import os
+import pathlib
 import random
 import tempfile
 import unittest
@@ -187,6 +188,14 @@ class Options(unittest.TestCase):
         pccdctl("inspect", "up.rec", "-o", "up.html", folder=self.made.name)
         page = Page(os.path.join(self.made.name, "up.html"))
         self.assertEqual(page.meta["up"], "x")  # as recorded
+        self.assertEqual(self.drawn(), self.drawn("--up", "x"))
+        self.assertNotEqual(self.drawn(), self.drawn("--up", "y"))
+
+    def drawn(self, *options):
+        """A picture of up.rec."""
+        pccdctl("render", "up.rec", "-o", "up.png", "--size", "200x150", *options,
+                folder=self.made.name)
+        return pathlib.Path(self.made.name, "up.png").read_bytes()
 
     # If it failed, the page would ask for something, or run what it was not built with.
     def test_page__names_no_address_and_has_a_policy(self):

@@ -162,8 +162,8 @@ static const struct option_row rows[] = {
      OPTION_FLAG, .at = AT(has_first_tries)},
     {"view", 0, "A,E", "Look from azimuth A and elevation E, degrees (default: 25,16)",
      OPTION_OWN, .take = take_view},
-    {"up", 0, "y|z|x", "The axis that points up: y (the default), z or x", OPTION_WORD,
-     .at = AT(up)},
+    {"up", 0, "x|y|z", "The axis that points up (default: as recorded; else y)",
+     OPTION_WORD, .at = AT(up), .min = 1},
     {"at", 0, "all|contacts|first|contact N",
      "Show all of the step, the contacts, the first of them, or contact N, counted from "
      "1 in the order of the answer. Without --at and --time, of a step with up to 20 "

@@ -202,13 +202,13 @@ static void choose_viewpoint(const struct snapshot *snapshot, float from[3])
     }
 }
 
-/* The direction to the eye: azimuth 0 looks along the axis after the one that is up. */
-static void find_eye(const struct render *render, float from[3])
+/* The direction to the eye: azimuth 0 looks along the axis after `axis`, which is up. */
+static void find_eye(const struct render *render, uint32_t axis, float from[3])
 {
     bool is_given = !isnan(render->azimuth);
     double a = (is_given ? render->azimuth : AZIMUTH) * DEGREE;
     double e = (is_given ? render->elevation : ELEVATION) * DEGREE;
-    uint32_t up = render->up == PICTURE_UP_Y ? 1 : render->up == PICTURE_UP_Z ? 2 : 0;
+    uint32_t up = axis > 0 ? axis - 1 : 1;
     from[up] = (float)sin(e);
     from[(up + 1) % 3] = (float)(cos(e) * cos(a));
     from[(up + 2) % 3] = (float)(cos(e) * sin(a));
@@ -440,7 +440,7 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
     struct picture picture = {.snapshot = snapshot,
                               .marks = marks,
                               .mark_count = mark_count,
-                              .up = render->up,
+                              .up = render->up != 0 ? render->up : snapshot->up,
                               .width = render->width,
                               .height = render->height,
                               .zoom = (float)render->zoom,
@@ -452,7 +452,7 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
                               .subtitle = is_few ? pair : NULL,
                               .scale = snapshot->lines == NULL || greatest > 0 ? &scale
                                                                                : NULL};
-    find_eye(render, picture.from);
+    find_eye(render, picture.up, picture.from);
     if (picture.is_at_marks && snapshot->contact_count > 0) {
         picture.room = room_of(snapshot, &snapshot->contacts[snapshot->chosen]);
     }

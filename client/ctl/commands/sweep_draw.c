@@ -223,7 +223,7 @@ static int draw(struct drawing *drawing, FILE *file, const char *path)
     struct picture picture = {.snapshot = &drawing->shown,
                               .marks = marks,
                               .mark_count = is_found ? 2 : 0,
-                              .up = PICTURE_UP_Z,
+                              .up = 3,
                               .is_thick = true,
                               .title = title,
                               .colours = (const float(*)[3])drawing->colours,

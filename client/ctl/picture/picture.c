@@ -213,15 +213,17 @@ static void find_centre(const struct picture *picture, float centre[3])
 /* The eye's axes: it looks against `from`, and what is up stays up. */
 static void turn_camera(const struct picture *picture, struct picture_canvas *canvas)
 {
-    static const float ups[3][3] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+    const uint32_t axis = picture->up > 0 ? picture->up - 1 : 1;
+    float up[3] = {0, 0, 0}, other[3] = {0, 0, 0};
     float *right = canvas->axes[0], *above = canvas->axes[1], *away = canvas->axes[2];
+    up[axis] = other[(axis + 1) % 3] = 1;
     for (uint32_t k = 0; k < 3; k++) {
         away[k] = -picture->from[k];
     }
     normalize(away);
-    cross(away, ups[picture->up], right);
+    cross(away, up, right);
     if (dot(right, right) < 1e-8f) { /* straight from above: some way is right */
-        cross(away, ups[(picture->up + 1) % 3], right);
+        cross(away, other, right);
     }
     normalize(right);
     cross(right, away, above);

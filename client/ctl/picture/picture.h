@@ -43,14 +43,12 @@ struct picture_scale {
     char low[16], high[16];
 };
 
-enum picture_up { PICTURE_UP_Y = 0, PICTURE_UP_Z, PICTURE_UP_X };
-
 struct picture {
     const struct snapshot *snapshot; /* whose objects are drawn */
     const struct picture_mark *marks;
     uint32_t mark_count;
     float from[3]; /* direction from the middle of the scene to the eye */
-    enum picture_up up;
+    uint32_t up;   /* the axis that points up: 1 x, 2 y, 3 z; 0: y */
     uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
     float zoom;             /* 0: everything is seen, just so; 2: twice as large */
     bool is_at_marks;       /* the marks are what is to be seen .. */

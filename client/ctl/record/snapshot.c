@@ -21,6 +21,7 @@ struct taking {
     const struct play_settings *settings;
     struct snapshot *snapshot;
     const struct snapshot_at *at;
+    const struct play_summary *summary; /* once it plays */
     bool is_taken;
     snapshot_fn show; /* NULL: the last one is kept, for the caller */
     void *context;
@@ -346,6 +347,15 @@ static int take_objects(const struct taking *taking, const struct registry_scene
     return PCCD_OK;
 }
 
+/* Empty the snapshot, for the next step or question. */
+static void begin_snapshot(const struct taking *taking, uint64_t number)
+{
+    struct snapshot *snapshot = taking->snapshot;
+    snapshot_deinit(snapshot);
+    snapshot->step = number;
+    snapshot->up = taking->summary->begin.flags >> RECORD_UP_SHIFT & RECORD_UP_MASK;
+}
+
 static int take(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct taking *taking = context;
@@ -354,8 +364,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     if (step->scene == NULL) {
         return PCCD_OK; /* it failed, in a scene that there was not */
     }
-    snapshot_deinit(snapshot);
-    snapshot->step = step->number;
+    begin_snapshot(taking, step->number);
     snapshot->separation = step->separation.separation;
     int status = find_contact(taking->at, step, &shown, &snapshot->t, error);
     if (status != PCCD_OK) {
@@ -390,6 +399,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
 static int play_steps(const struct play_settings *settings, struct taking *taking,
                       struct play_summary *summary, struct ctl_error *error)
 {
+    taking->summary = summary;
     int status = play(settings, take, taking, summary, error);
     if (status == PCCD_OK && !taking->is_taken && summary->frames == 0 &&
         summary->questions > 0) {
@@ -459,8 +469,7 @@ static int take_near(void *context, const struct play_near *near, struct ctl_err
     if (near->scene == NULL) {
         return PCCD_OK;
     }
-    snapshot_deinit(snapshot);
-    snapshot->step = near->number;
+    begin_snapshot(taking, near->number);
     snapshot->t = near->asked->end;
     snapshot->lines = calloc(near->found.count + 1, sizeof *snapshot->lines);
     if (snapshot->lines == NULL) {
@@ -491,7 +500,8 @@ int snapshot_take_near(const struct play_settings *settings, struct snapshot *sn
                        struct play_summary *summary, struct ctl_error *error)
 {
     struct play_settings asked = *settings;
-    struct taking taking = {.settings = settings, .snapshot = snapshot};
+    struct taking taking = {
+        .settings = settings, .snapshot = snapshot, .summary = summary};
     memset(snapshot, 0, sizeof *snapshot);
     asked.show_near = take_near;
     int status = play(&asked, pass, &taking, summary, error);

@@ -46,6 +46,7 @@ struct snapshot {
     uint64_t step;
     double t;
     double separation; /* of the step */
+    uint32_t up;       /* as recorded: 1 x, 2 y, 3 z; 0: nobody has said */
     struct snapshot_object *objects;
     uint32_t object_count;
     struct snapshot_contact *contacts;
