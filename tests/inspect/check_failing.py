@@ -9,6 +9,7 @@ Does:     check frames of which some steps are free; read the page without a bro
 import csv
 import json
 import os
+import random
 import shutil
 import struct
 import tempfile
@@ -134,6 +135,30 @@ class Failing(unittest.TestCase):
         shown = Page(self.path("few.html")).meta["steps"]
         self.assertEqual(tuple(step["number"] for step in shown), FAILING[:2])
 
+    # If it failed, a page that is full would show how a bad bake begins, and not how it
+    # ends.
+    def test_size__leaves_out_steps_evenly(self):
+        points, draw = 2500, random.Random(1).random  # cannot be compressed
+        names = [f"large{i}.ply" for i in range(12)]
+        for place, name in enumerate(names):
+            tip = (-1) ** place
+            with open(self.path(name), "w") as to:
+                to.write(f"ply\nformat ascii 1.0\nelement vertex {points + 6}\n"
+                         "property float x\nproperty float y\nproperty float z\n"
+                         "element face 2\nproperty list uchar int vertex_indices\n"
+                         f"end_header\n0 0 0\n1 0 0\n0 1 0\n.2 .2 {tip}\n"
+                         f".3 .2 {3 * tip}\n.2 .3 {3 * tip}\n")
+                to.writelines(f"{v} {draw():.7f} {draw():.7f}\n" for v in range(points))
+                to.write("3 0 1 2\n3 3 4 5\n")
+        said = self.check("--page", "large.html", "--max-size", "1", files=names).stdout
+        shown = [step["number"] for step in Page(self.path("large.html")).meta["steps"]]
+        every = shown[1] - shown[0]
+        self.assertGreater(every, 1)
+        self.assertEqual(shown, list(range(1, len(names), every)))
+        self.assertLessEqual(os.path.getsize(self.path("large.html")), 1 << 20)
+        self.assertIn(f"{len(shown)} of 11 steps that fail; --max-size has room for one "
+                      f"in {every}\n", said)
+
     # If it failed, an old page would be taken for one of this check.
     def test_free__has_no_page_and_says_so(self):
         said = self.check("--page", "none.html", "--film", "none.apng",
@@ -161,6 +186,7 @@ class Failing(unittest.TestCase):
                    files=["scene.json"])
         page = Page(self.path("scene.html"))
         self.assertEqual([step["number"] for step in page.meta["steps"]], [2, 3])
+        self.assertEqual(page.meta["names"], ["sheet", "peg"])
         for end in ("x0", "x1"):
             self.assertEqual([tuple(round(c, 6) for c in point)
                               for point in page.positions(0, end, 1)], peg)
@@ -174,7 +200,8 @@ class Failing(unittest.TestCase):
     def test_usage__is_refused_before_anything_else(self):
         for options, text in ((("--page", "x.png"), "does not end with .html"),
                               (("--film", "x.png"), "does not end with .apng"),
-                              (("--failing", "2"), "what --page and --film show")):
+                              (("--failing", "2"), "what --page and --film show"),
+                              (("--max-size", "2"), "the page that --page writes")):
             done = pccdctl("check", *options, *self.files, check=False,
                            folder=self.made.name)
             self.assertEqual(done.returncode, 2)

@@ -11,10 +11,8 @@
 #include "shown.h"
 #include "whole_file.h"
 
-#define MIB          (1u << 20)
-#define SIZE_MAX_MIB 2048u /* browsers do not open much more */
-#define EVERY_MAX    (1u << 30)
-#define BOXES_MAX    (1u << 20)
+#define EVERY_MAX (1u << 30)
+#define BOXES_MAX (1u << 20)
 
 struct command {
     struct play_options options;
@@ -54,8 +52,8 @@ static const struct option_row rows[] = {
     {"max-size", 0, "MIB",
      "Let the page have at most MIB mebibytes (default: 64). If not all steps fit, only "
      "one in so many is shown that they do, and a line on standard error says so",
-     OPTION_U64, .at = AT(settings.bytes_max), .min = 1, .max = SIZE_MAX_MIB,
-     .unit = MIB},
+     OPTION_U64, .at = AT(settings.bytes_max), .min = 1, .max = INSPECT_MIB_MAX,
+     .unit = INSPECT_MIB},
     {"up", 0, "x|y|z",
      "The axis that points up (default: as recorded; else the one along which things "
      "fall, if the motion is plain, or y)",
@@ -88,23 +86,23 @@ const struct option_table ctl_table_inspect = {
 
 /* ---- the page ---------------------------------------------------------------------- */
 
-/* `wanted`: the --every that was asked for. */
 static void print_done(const struct command *command, const struct inspect *inspect,
-                       uint64_t wanted, uint64_t bytes)
+                       uint64_t bytes)
 {
+    const uint64_t every = inspect->settings.every;
     if (command->options.is_json) {
         json_t *object = json_pack(
             "{s:o, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "file", json_text(command->path),
             "steps", (json_int_t)inspect->kept, "first", (json_int_t)inspect->first,
-            "last", (json_int_t)inspect->last, "every",
-            (json_int_t)command->settings.every, "bytes", (json_int_t)bytes, "differ",
-            (json_int_t)inspect->differ, "full", inspect->is_full);
+            "last", (json_int_t)inspect->last, "every", (json_int_t)every, "bytes",
+            (json_int_t)bytes, "differ", (json_int_t)inspect->differ, "full",
+            inspect->is_full);
         (void)output_json(object, true, stdout);
     } else {
         printf("%s: %" PRIu64 " %s, %" PRIu64 " to %" PRIu64 ", %.1f MiB\n",
                tool_shown(command->path), inspect->kept,
                proto_plural(inspect->kept, "step", "steps"), inspect->first,
-               inspect->last, (double)bytes / MIB);
+               inspect->last, (double)bytes / INSPECT_MIB);
     }
     if (inspect->differ > 0) {
         ctl_complain("%" PRIu64 " %s", inspect->differ,
@@ -115,74 +113,33 @@ static void print_done(const struct command *command, const struct inspect *insp
     if (inspect->no_lanes[0] != '\0') {
         ctl_complain("without what threads did: %s", inspect->no_lanes);
     }
-    if (command->settings.every > wanted) {
+    if (every > command->settings.every) {
         ctl_complain("the page has room for one step in %" PRIu64
                      ": --max-size allows more, --steps A..B shows each of fewer",
-                     command->settings.every);
+                     every);
     } else if (inspect->is_full) {
         ctl_complain("the page was full after step %" PRIu64, inspect->last);
     }
 }
 
-static int write_page(struct command *command, struct whole_file *file,
-                      struct inspect *inspect, struct play_summary *summary,
-                      struct ctl_error *error)
+/* The steps that were asked for, as an inspect_fill_fn whose context is their
+ * play_settings. */
+static int fill(void *context, struct inspect *inspect, struct play_summary *summary,
+                uint64_t *all, struct ctl_error *error)
 {
-    struct play_settings *play_settings = &command->options.play;
-    struct page_file page;
-    int status = inspect_init(inspect, &command->settings, &page, error);
-    if (status == PCCD_OK) {
-        status = inspect_begin_page(&page, file->to, command->path, error);
-    }
-    if (status == PCCD_OK) {
-        status = play(play_settings, inspect_step, inspect, summary, error);
-    }
+    const struct play_settings *settings = context;
+    int status = play(settings, inspect_step, inspect, summary, error);
     if (status == PCCD_OK && inspect->kept == 0) {
         status = ctl_error_set(error, PCCD_E_INVAL,
                                "%s holds no such step; it has %" PRIu64 ", the last "
                                "%" PRIu64,
-                               play_settings->path, summary->frames + summary->questions,
+                               settings->path, summary->frames + summary->questions,
                                summary->last_step);
     }
-    if (status == PCCD_OK) {
-        status =
-            inspect_finish(inspect, tool_base_name(play_settings->path), summary, error);
-    }
+    uint64_t last = settings->last;
+    last = last != 0 && last < summary->last_step ? last : summary->last_step;
+    *all = last - inspect->first + 1;
     return status;
-}
-
-/* Return one in how many steps has room, when those until inspect->last had. */
-static uint64_t every_with_room(const struct command *command,
-                                const struct inspect *inspect,
-                                const struct play_summary *summary)
-{
-    uint64_t every = command->settings.every;
-    uint64_t last = command->options.play.last;
-    uint64_t end = last != 0 && last < summary->last_step ? last : summary->last_step;
-    uint64_t all = end - inspect->first + 1;
-    uint64_t fitting = inspect->last - inspect->first + every;
-    return every * (all > fitting ? (all + fitting - 1) / fitting : 2);
-}
-
-/* Write the page of all steps, or of so few, evenly, that they have room: a page that
- * ended early would hide what comes then. What is written straight away, is written once.
- */
-static int write_all(struct command *command, struct whole_file *file,
-                     struct inspect *inspect, struct play_summary *summary,
-                     struct ctl_error *error)
-{
-    for (;;) {
-        int status = output_open(file, command->path, false, error);
-        if (status == PCCD_OK) {
-            status = write_page(command, file, inspect, summary, error);
-        }
-        if (status != PCCD_OK || !inspect->is_full || file->is_direct) {
-            return status;
-        }
-        command->settings.every = every_with_room(command, inspect, summary);
-        whole_file_discard(file);
-        inspect_deinit(inspect);
-    }
 }
 
 int ctl_cmd_inspect(int argc, char **argv)
@@ -212,11 +169,14 @@ int ctl_cmd_inspect(int argc, char **argv)
     if (status == PCCD_OK) {
         status = play_options_open(&command.options, &error);
     }
-    const uint64_t every = command.settings.every;
     if (status == PCCD_OK) {
         command.settings.names = command.options.play.names;
         command.settings.name_count = command.options.play.name_count;
-        status = write_all(&command, &file, &inspect, &summary, &error);
+        const struct inspect_source source = {command.path,
+                                              tool_base_name(command.options.play.path),
+                                              fill, &command.options.play};
+        status =
+            inspect_write(&inspect, &command.settings, &source, &file, &summary, &error);
     }
     uint64_t page_bytes = file.bytes;
     if (status == PCCD_OK) {
@@ -224,7 +184,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     }
     if (status == PCCD_OK) {
         play_options_warn(&command.options.play, &summary);
-        print_done(&command, &inspect, every, page_bytes);
+        print_done(&command, &inspect, page_bytes);
     }
     whole_file_discard(&file);
     inspect_deinit(&inspect);

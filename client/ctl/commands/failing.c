@@ -45,6 +45,9 @@ static void check(struct argp_state *state, void *to)
     if (options->most > 0 && options->page == NULL && options->film == NULL) {
         option_misused(state, "--failing is of what --page and --film show");
     }
+    if (options->page_bytes > 0 && options->page == NULL) {
+        option_misused(state, "--max-size is of the page that --page writes");
+    }
 }
 
 #define AT(member) offsetof(struct failing_options, member)
@@ -64,6 +67,11 @@ const struct option_table failing_table = {
              "With --page and --film: show at most the first N steps in which something "
              "meets (default: 24)",
              OPTION_U32, .at = AT(most), .min = 1, .max = STEPS_MAX},
+            {"max-size", 0, "MIB",
+             "Let the page of --page have at most MIB mebibytes (default: 64). If not "
+             "all steps fit, only one in so many is shown that they do",
+             OPTION_U64, .at = AT(page_bytes), .min = 1, .max = INSPECT_MIB_MAX,
+             .unit = INSPECT_MIB},
             {0}},
     .check = check};
 
@@ -117,7 +125,10 @@ int failing_keep(struct failing *failing, struct check_run *run,
     struct failing_step *step = &failing->steps[failing->count++];
     step->number = number;
     snprintf(step->recording.name, sizeof step->recording.name, "step %" PRIu32, number);
-    int status = frames_begin(&step->recording, run->client, error);
+    int status = frames_name(&step->recording, files, error);
+    if (status == PCCD_OK) {
+        status = frames_begin(&step->recording, run->client, error);
+    }
     if (status != PCCD_OK) {
         return status;
     }
@@ -143,30 +154,51 @@ static struct play_settings play_of(const struct failing_step *step,
                                   .label = "steps"};
 }
 
-static int write_page(const struct failing *failing, const struct ctl_link *link,
-                      FILE *to, uint64_t *shown, struct ctl_error *error)
+/* Steps that fail, and the daemon that answers them again. */
+struct showing {
+    const struct failing *failing;
+    const struct ctl_link *link;
+};
+
+/* An inspect_fill_fn whose context is the showing. */
+static int fill(void *context, struct inspect *inspect, struct play_summary *summary,
+                uint64_t *all, struct ctl_error *error)
 {
-    const struct inspect_settings settings = {.every = 1,
-                                              .boxes_max = INSPECT_BOXES_DEFAULT,
-                                              .bytes_max = INSPECT_BYTES_DEFAULT};
-    struct inspect inspect = {.kept = 0};
-    struct page_file page;
-    struct play_summary summary = {.frames = 0};
-    int status = inspect_init(&inspect, &settings, &page, error);
-    if (status == PCCD_OK) {
-        status = inspect_begin_page(&page, to, failing->options->page, error);
-    }
-    for (uint32_t i = 0; status == PCCD_OK && i < failing->count && !inspect.is_full;
+    const struct showing *showing = context;
+    const struct failing *failing = showing->failing;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; status == PCCD_OK && i < failing->count && !inspect->is_full;
          i++) {
-        struct play_settings play_settings = play_of(&failing->steps[i], link);
-        play_settings.is_traced = true;
-        status = play(&play_settings, inspect_step, &inspect, &summary, error);
+        struct play_settings settings = play_of(&failing->steps[i], showing->link);
+        settings.is_traced = true;
+        status = play(&settings, inspect_step, inspect, summary, error);
     }
-    if (status == PCCD_OK) {
-        summary.frames = failing->count + failing->left_out;
-        status = inspect_finish(&inspect, "steps that fail", &summary, error);
-    }
+    summary->frames = failing->count + failing->left_out;
+    *all = failing->count;
+    return status;
+}
+
+/* *every: one in so many steps has room. */
+static int write_page(const struct failing *failing, const struct ctl_link *link,
+                      struct whole_file *file, uint64_t *shown, uint64_t *every,
+                      struct ctl_error *error)
+{
+    const struct failing_options *options = failing->options;
+    const uint64_t most = options->page_bytes;
+    const struct inspect_settings settings = {
+        .every = 1,
+        .boxes_max = INSPECT_BOXES_DEFAULT,
+        .bytes_max = most > 0 ? most : INSPECT_BYTES_DEFAULT,
+        .names = failing->steps[0].recording.names,
+        .name_count = failing->steps[0].recording.name_count};
+    struct showing showing = {failing, link};
+    struct inspect inspect = {.kept = 0};
+    struct play_summary summary = {.frames = 0};
+    const struct inspect_source source = {options->page, "steps that fail", fill,
+                                          &showing};
+    int status = inspect_write(&inspect, &settings, &source, file, &summary, error);
     *shown = inspect.kept;
+    *every = inspect.settings.every;
     inspect_deinit(&inspect);
     return status;
 }
@@ -200,7 +232,8 @@ static int write_one(const struct failing *failing, const struct ctl_link *link,
 {
     const char *path = is_page ? failing->options->page : failing->options->film;
     const char *what = is_page ? "page" : "film";
-    uint64_t all = failing->count + failing->left_out, shown = 0;
+    uint64_t all = failing->count + failing->left_out, shown = 0, every = 1;
+    char room[64] = "";
     struct whole_file file = {.to = NULL};
     if (path == NULL) {
         return PCCD_OK;
@@ -210,21 +243,29 @@ static int write_one(const struct failing *failing, const struct ctl_link *link,
                 tool_shown(path));
         return PCCD_OK;
     }
-    int status = output_open(&file, path, false, error);
-    if (status == PCCD_OK) {
-        status = is_page ? write_page(failing, link, file.to, &shown, error)
-                         : draw_film(failing, link, file.to, &shown, error);
+    int status = PCCD_OK;
+    if (is_page) {
+        status = write_page(failing, link, &file, &shown, &every, error);
+    } else {
+        status = output_open(&file, path, false, error);
+        if (status == PCCD_OK) {
+            status = draw_film(failing, link, file.to, &shown, error);
+        }
     }
     if (status == PCCD_OK) {
         status = output_finish(&file, path, error);
     }
     if (status == PCCD_OK) {
-        fprintf(report, "%-10s %s: %" PRIu64 " of %" PRIu64 " %s%s\n", what,
+        if (every > 1) {
+            snprintf(room, sizeof room, "; --max-size has room for one in %" PRIu64,
+                     every);
+        } else if (shown < failing->count) {
+            snprintf(room, sizeof room, "; it is full");
+        }
+        fprintf(report, "%-10s %s: %" PRIu64 " of %" PRIu64 " %s%s%s\n", what,
                 tool_shown(path), shown, all,
-                proto_plural(all, "step that fails", "steps that fail"),
-                shown == all             ? ""
-                : shown < failing->count ? "; it is full"
-                                         : "; --failing has more");
+                proto_plural(all, "step that fails", "steps that fail"), room,
+                failing->left_out > 0 ? "; --failing has more" : "");
     }
     whole_file_discard(&file);
     return status;

@@ -19,9 +19,11 @@
 struct failing_options {
     const char *page, *film; /* files; NULL: none */
     uint32_t most;           /* steps that are shown; 0: the default */
+    uint64_t page_bytes;     /* at most; 0: the default */
 };
 
-/* Options that fill a struct failing_options: --page, --film, --failing. */
+/* Options that fill a struct failing_options: --page, --film, --failing,
+ * --max-size. */
 extern const struct option_table failing_table;
 
 struct failing_step {

@@ -16,8 +16,8 @@
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
-/* Things fall along an axis if they move so many times as far along it as along both
- * others, and so much of that goes one way. */
+/* Things fall along an axis if they move so many times as far against it as along both
+ * others, and so much of that goes one way; what walks does not fall. */
 #define UP_TIMES 2.0
 #define UP_PART  0.25
 
@@ -229,8 +229,7 @@ static char up_of(const struct inspect *inspect, const struct record_begin *begi
     }
     for (uint32_t k = 0; k < 3; k++) {
         double others = fmax(fabs(moved[(k + 1) % 3]), fabs(moved[(k + 2) % 3]));
-        if (fabs(moved[k]) > UP_TIMES * others &&
-            fabs(moved[k]) > UP_PART * inspect->way[k]) {
+        if (-moved[k] > UP_TIMES * others && -moved[k] > UP_PART * inspect->way[k]) {
             return "xyz"[k];
         }
     }
@@ -465,4 +464,46 @@ int inspect_finish(struct inspect *inspect, const char *name,
     int status = ok ? page_file_finish(inspect->page, meta, error) : no_memory(error);
     json_decref(meta);
     return status;
+}
+
+/* ---- the whole page ---------------------------------------------------------------- */
+
+/* Thin out what is shown so far that all of it would have had room. */
+static uint64_t every_with_room(const struct inspect *inspect, uint64_t all)
+{
+    uint64_t fitting = inspect->seen - 1; /* the last one did not */
+    uint64_t times = all > fitting ? (all + fitting - 1) / fitting : 2;
+    return inspect->settings.every * times;
+}
+
+int inspect_write(struct inspect *inspect, const struct inspect_settings *settings,
+                  const struct inspect_source *source, struct whole_file *file,
+                  struct play_summary *summary, struct ctl_error *error)
+{
+    struct inspect_settings thinned = *settings;
+    for (;;) {
+        struct page_file page;
+        uint64_t all = 0;
+        int status = output_open(file, source->path, false, error);
+        if (status == PCCD_OK) {
+            status = inspect_init(inspect, &thinned, &page, error);
+        }
+        if (status == PCCD_OK) {
+            status = inspect_begin_page(&page, file->to, source->path, error);
+        }
+        if (status == PCCD_OK) {
+            status = source->fill(source->context, inspect, summary, &all, error);
+        }
+        if (status == PCCD_OK && inspect->is_full && !file->is_direct) {
+            thinned.every = every_with_room(inspect, all);
+            whole_file_discard(file);
+            inspect_deinit(inspect);
+            continue;
+        }
+        if (status == PCCD_OK) {
+            status = inspect_finish(inspect, source->name, summary, error);
+        }
+        inspect->page = NULL;
+        return status;
+    }
 }

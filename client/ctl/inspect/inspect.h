@@ -14,6 +14,7 @@
 #include "error.h"
 #include "pccd.h"
 #include "play.h"
+#include "whole_file.h"
 
 /* ---- A growing array of bytes, divided into sections. */
 
@@ -192,6 +193,8 @@ int inspect_has_page(struct ctl_error *error);
 
 #define INSPECT_BOXES_DEFAULT 512u
 #define INSPECT_BYTES_DEFAULT (64u << 20)
+#define INSPECT_MIB           (1u << 20)
+#define INSPECT_MIB_MAX       2048u /* browsers do not open much more */
 
 /* Begin the page `path` with it, written to `to`; as page_file_begin. */
 int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
@@ -207,5 +210,24 @@ int inspect_near(void *inspect, const struct play_near *near, struct ctl_error *
 int inspect_finish(struct inspect *inspect, const char *name,
                    const struct play_summary *summary, struct ctl_error *error);
 void inspect_deinit(struct inspect *inspect);
+
+/* Adds the steps of a page to it, by inspect_step and inspect_near; *all: how many they
+ * are, if there were room. Called once more where there was not. */
+typedef int (*inspect_fill_fn)(void *context, struct inspect *inspect,
+                               struct play_summary *summary, uint64_t *all,
+                               struct ctl_error *error);
+struct inspect_source {
+    const char *path; /* of the page */
+    const char *name; /* of what is shown; any bytes */
+    inspect_fill_fn fill;
+    void *context;
+};
+/* Write the page of all that the source adds to it. If not all of it has room, one step
+ * in so many is shown, evenly, and settings.every says so: a page that ended early would
+ * hide what comes then. A file that is written straight away is written once. `file`,
+ * before {NULL}, is the caller's to finish; so is the inspect, also after an error. */
+int inspect_write(struct inspect *inspect, const struct inspect_settings *settings,
+                  const struct inspect_source *source, struct whole_file *file,
+                  struct play_summary *summary, struct ctl_error *error);
 
 #endif

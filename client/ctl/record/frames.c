@@ -76,9 +76,8 @@ static int play_recorded(struct player *player, const struct frames_recording *r
     return played;
 }
 
-/* Keep the names of the objects, which no recording has. */
-static int take_names(struct frames_recording *recording, const struct scene *scene,
-                      struct ctl_error *error)
+int frames_name(struct frames_recording *recording, const struct scene *scene,
+                struct ctl_error *error)
 {
     recording->names = calloc(scene->object_count + 1u, sizeof *recording->names);
     for (uint32_t i = 0; i < scene->object_count && recording->names != NULL; i++) {
@@ -119,7 +118,7 @@ int frames_record(struct frames_recording *recording, struct scene *scene,
         status = play_recorded(&player, recording, error);
     }
     if (status == PCCD_OK) {
-        status = take_names(recording, scene, error);
+        status = frames_name(recording, scene, error);
     }
     pccd_close(player.client);
     player_deinit(&player);
