@@ -15,8 +15,8 @@ import tempfile
 import unittest
 
 from browser import Browser, is_here
-from scene import (BAR, FRAMES, NAME, RADIUS, TIP, ObjectsScene, Scene, ThickScene,
-                   TurningScene, pccdctl, positions)
+from scene import (BAR, FRAMES, NAME, POST, RADIUS, TIP, ObjectsScene, Scene,
+                   ThickScene, TurningScene, pccdctl, positions)
 
 SPACE, ENTER, RIGHT, HOME, DOWN = " ", "\ue007", "\ue014", "\ue011", "\ue015"
 TAB, ESCAPE = "\ue004", "\ue00c"
@@ -286,6 +286,7 @@ class Opened(InBrowser):
 
     # If it failed, who has lost sight of the scene would not find it again.
     def test_fit__shows_everything_again(self):
+        self.browser.run("pccd.state.set({chosen: -1, t: 1})")
         before = self.browser.run("return pccd.view.picture()")
         self.browser.click("#contact-rows .row:nth-child(2)")
         self.browser.wait("return pccd.view.picture() !== arguments[0]", before)
@@ -361,8 +362,44 @@ class Opened(InBrowser):
         for button, place in (("first", 0), ("next", 1), ("next", 2), ("previous", 1)):
             self.browser.click(f"#go-{button}")
             self.assertEqual(self.value("chosen"), self.value("picked")[place])
-            self.assertEqual(self.text("place").split(" of ")[0], str(place + 1))
+            self.assertEqual(self.text("place"),
+                             f"{place + 1} of {said['contacts']}, by time")
         self.assertEqual(self.facts("detail-facts")["time"], f"t = {times[1]:.4g}")
+
+    # If it failed, a page would open where nothing is to be seen yet, or long after, and
+    # not say which moment that is.
+    def test_page__opens_at_the_first_contact_of_the_step_with_most(self):
+        most = max(self.scene.steps, key=lambda said: said["contacts"])
+        self.assertEqual(number(self.text("total")), most["contacts"])
+        times = self.browser.run("""
+            const {index} = pccd.state.values;
+            return [...pccd.data.step(index).contacts.toi];""")
+        self.assertEqual((self.value("chosen"), self.value("t")),
+                         (times.index(min(times)), min(times)))
+        self.assertIn("with the most contacts; ", self.text("caption"))
+        self.assertIn(", its first contact", self.text("caption"))
+        self.assertEqual(self.text("detail-head"), "First contact")
+        self.assertTrue(self.is_seen("pin"))
+        self.assertGreater(self.browser.run(IN_SIGHT), 0.9)
+        self.set("step", 0)  # there it is not the moment of anything
+        self.assertEqual((self.value("chosen"), self.value("t")), (-1, 1))
+        self.assertIn("step 1; t = 1, its end", self.text("caption"))
+
+    # If it failed, nobody would know what the list is for, or what the lines are that
+    # appear in the view.
+    def test_list__says_that_it_can_be_clicked_and_what_is_drawn(self):
+        self.assertIn(" contacts: click a row to see it", self.text("picked"))
+        self.browser.run("pccd.state.set({chosen: 0})")
+        self.browser.frames(3)
+        drawn = dict((tuple(colour), many) for colour, many in self.pixels("#view"))
+        for name in ("first", "second", "normal"):
+            colour = self.browser.run("""
+                const at = [...document.querySelectorAll('#detail dt')]
+                  .find((one) => one.textContent === arguments[0]).nextSibling;
+                return getComputedStyle(at.querySelector('.dot')).backgroundColor;
+                """, name)
+            colour = tuple(int(part) for part in colour[4:-1].split(","))
+            self.assertGreater(drawn.get(colour, 0), 5, name)
 
     # If it failed, nobody could find the contacts of a vertex, a face or an edge.
     def test_find__takes_features_edges_by_their_vertices_and_times(self):
@@ -394,7 +431,8 @@ class Opened(InBrowser):
         self.browser.run("pccd.state.set({chosen: 0})")
         facts = self.facts("detail-facts")
         row = next(row for row in self.scene.contacts if int(row["step"]) == number)
-        self.assertEqual(facts["first"], f"vertex {row['i0']}")
+        self.assertEqual(facts["first"], f"vertex {row['i0']}, the line is its way")
+        self.assertEqual(facts["drawn by"], f"render --steps {number} --at 'contact 1'")
         for name, of in (("place", "a"), ("normal", "n")):
             given = [float(x) for x in facts[name].strip("()").split(",")]
             true = [float(row[of + axis]) for axis in "xyz"]
@@ -531,9 +569,14 @@ class Objects(InBrowser):
             self.set("pair", f"0,{at}")
             self.assertEqual(len(self.value("picked")), many)
             self.assertIn(" and ".join(pair), self.text("pair"))
+        cut = self.browser.run("""
+            return [...document.querySelectorAll('#contact-rows .features > span')]
+              .map((one) => [one.textContent, one.scrollWidth > one.clientWidth]);""")
+        self.assertTrue(any(f" of {POST}" in text for text, _ in cut))
+        self.assertFalse(any(is_cut for _, is_cut in cut), cut)
         self.set("pair", "")
         self.set("find", "green")  # the third of colours.js
-        self.assertEqual(len(self.value("picked")), both["sheet", "post"])
+        self.assertEqual(len(self.value("picked")), both["sheet", POST])
         self.set("find", "peg vertex")
         self.assertEqual(len(self.value("picked")), both["sheet", "peg"])
         self.browser.click("#go-first")
@@ -544,9 +587,9 @@ class Objects(InBrowser):
     def test_one_step__has_no_part_that_does_nothing(self):
         self.open(self.objects.page)
         for name in ("previous", "next", "step-slide", "timeline", "kind-ve", "kind-vv",
-                     "kind-ef", "thick", "range-clear", "detail"):
+                     "kind-ef", "thick", "range-clear"):
             self.assertFalse(self.is_seen(name), name)
-        for name in ("play", "time", "find", "pair", "goes"):
+        for name in ("play", "time", "find", "pair", "goes", "detail"):
             self.assertTrue(self.is_seen(name), name)
 
     # If it failed, what falls would lie on its side.
@@ -568,6 +611,7 @@ class Objects(InBrowser):
         self.assertGreater(number(self.text("total")), 0)
         self.assertNotIn("t = ", self.text("detail-facts") + self.text("sentence"))
         self.assertNotIn("safe step", self.facts("facts"))
+        self.assertIn("step 1; t = 0, its start", self.text("caption"))
         self.browser.click("#go-first")
         self.assertNotIn("time", self.facts("detail-facts"))
         self.assertEqual(self.browser.said(), [])
@@ -633,6 +677,7 @@ class Phone(InBrowser):
         self.open()
         self.browser.frames(10)
         x, y = self.browser.run("""
+            pccd.state.set({chosen: -1});
             const {index, picked, t} = pccd.state.values;
             const [x, y] = pccd.view.placeOf(pccd.data.step(index), picked[0], t);
             const {left, top} = document.getElementById('view').getBoundingClientRect();
@@ -699,8 +744,8 @@ class Near(InBrowser):
                 self.assertEqual("crossings" in self.facts("facts"), what == "crossings")
                 # Two questions tell what crosses: edges in faces, and what touches.
                 self.assertEqual(self.is_seen("transport"), what == "crossings")
-                self.browser.click("#go-first")
                 self.assertEqual(self.facts("detail-facts")["first"], first)
+                self.assertTrue(self.is_seen("pin"))
                 self.assertGreater(self.browser.run(COLOURS, "view"), 20)
                 self.picture(f"inspect-{what}")
                 self.set("find", "face 99")

@@ -136,6 +136,9 @@ class TurningScene:
         self.page = os.path.join(folder, "turning.html")
 
 
+POST = "post of the left-hand gate"  # a name that is long
+
+
 class ObjectsScene:
     """A sheet that comes down through two triangles, by a scene file in `folder` that
     names them; `pairs`: how many contacts check found between each two."""
@@ -151,8 +154,9 @@ class ObjectsScene:
         self.files = "objects.json"
         with open(os.path.join(folder, self.files), "w", encoding="utf-8") as to:
             json.dump({"pccd_scene": 1, "objects": [
-                {"name": name, "files": f"{name}{files}.obj"}
-                for name, files in (("sheet", "%d"), ("peg", ""), ("post", ""))]}, to)
+                {"name": name, "files": f"{files}.obj"}
+                for name, files in (("sheet", "sheet%d"), ("peg", "peg"),
+                                    (POST, "post"))]}, to)
         pccdctl("check", "--repeat", "0", "--contacts", "objects.csv", self.files,
                 folder=folder)
         self.pairs = {}

@@ -2,12 +2,11 @@
 
 import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js";
 import { KINDS } from "./data.js";
-import { byId, colourOf, count, element, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
+import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
 import { pickContacts } from "./find.js";
-import { digits, featureText, flagText, measureOf, pairText, pairsOf, sideOf } from "./words.js";
+import { digits, featureText, flagText, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
-const ROW = 24; // pixels, as in style.css
 const SPARE = 6; // rows beyond what is seen
 
 export function histogramOf(contacts, kinds) {
@@ -43,8 +42,10 @@ function makeHistogram(data, state) {
     context.globalAlpha = 1;
     context.fillStyle = colourOf("line");
     context.fillRect(0, height - 1, width, 1);
-    context.fillStyle = colourOf("accent");
-    context.fillRect(state.values.t * width - 0.75, 0, 1.5, height);
+    if (!data.step(index).near) { // there the axis is a distance
+      context.fillStyle = colourOf("accent");
+      context.fillRect(state.values.t * width - 0.75, 0, 1.5, height);
+    }
   });
 
   const timeAt = (event) => {
@@ -81,6 +82,8 @@ function makeHistogram(data, state) {
 function makeList(data, state, fly) {
   const list = byId("contacts");
   const rows = byId("contact-rows");
+  /** Pixels; style.css knows when a row has two lines. */
+  const rowHeight = () => parseFloat(getComputedStyle(list).getPropertyValue("--row"));
 
   /** A feature, with the colour of its object before it. */
   function feature(step, i, side) {
@@ -89,10 +92,10 @@ function makeList(data, state, fly) {
     dot.style.background = cssOf(colourOfObject(object));
     dot.title = nameOfColour(object);
     return element("span", { title: featureText(step, i, side) }, ...(step.objects.length > 1 ? [dot] : []),
-      featureText(step, i, side, " · "));
+      featureText(step, i, side));
   }
 
-  function row(step, i, place) {
+  function row(step, i, place, height) {
     const { contacts } = step;
     const { chosen } = state.values;
     const { name, id } = KINDS[contacts.kind[i]];
@@ -102,10 +105,10 @@ function makeList(data, state, fly) {
     const made = element("div", { className: "row", role: "option", id: `contact-${i}` },
       element("i", { className: "dot" }),
       element("span", { className: "kind", title: flag?.title ?? name }, `${id.toUpperCase()} ${flag?.text ?? ""}`),
-      feature(step, i, "a"), feature(step, i, "b"),
+      element("span", { className: "features" }, feature(step, i, "a"), feature(step, i, "b")),
       element("span", { className: "number" }, value));
     made.firstChild.style.background = cssOf(colourOfTime(contacts.toi[i]));
-    made.style.top = `${place * ROW}px`;
+    made.style.top = `${place * height}px`;
     made.setAttribute("aria-selected", String(i === chosen));
     made.setAttribute("aria-setsize", String(state.values.picked.length));
     made.setAttribute("aria-posinset", String(place + 1));
@@ -119,11 +122,16 @@ function makeList(data, state, fly) {
   const draw = oncePerFrame(() => {
     const { index, picked, chosen } = state.values;
     const step = data.step(index);
+    const isNamed = step.objects.length > 1; // then two lines have room for names
+    list.parentElement.classList.toggle("named", isNamed);
+    byId("head-features").replaceChildren(...(isNamed ? ["the two features"] : ["first feature", "second feature"])
+      .map((text) => element("span", {}, text)));
     byId("head-measure").textContent = measureOf(step)?.name ?? "";
-    const first = Math.max(0, Math.floor(list.scrollTop / ROW) - SPARE);
-    const end = Math.min(picked.length, Math.ceil((list.scrollTop + list.clientHeight) / ROW) + SPARE);
-    rows.style.height = `${picked.length * ROW}px`;
-    rows.replaceChildren(...picked.slice(first, end).map((i, k) => row(step, i, first + k)));
+    const height = rowHeight();
+    const first = Math.max(0, Math.floor(list.scrollTop / height) - SPARE);
+    const end = Math.min(picked.length, Math.ceil((list.scrollTop + list.clientHeight) / height) + SPARE);
+    rows.style.height = `${picked.length * height}px`;
+    rows.replaceChildren(...picked.slice(first, end).map((i, k) => row(step, i, first + k, height)));
     if (chosen >= 0) {
       list.setAttribute("aria-activedescendant", `contact-${chosen}`);
     } else {
@@ -133,8 +141,9 @@ function makeList(data, state, fly) {
 
   function reveal() {
     const place = state.values.picked.indexOf(state.values.chosen);
-    if (place >= 0 && (place * ROW < list.scrollTop || (place + 1) * ROW > list.scrollTop + list.clientHeight)) {
-      list.scrollTop = Math.max(0, place * ROW - list.clientHeight / 2);
+    const height = rowHeight();
+    if (place >= 0 && (place * height < list.scrollTop || (place + 1) * height > list.scrollTop + list.clientHeight)) {
+      list.scrollTop = Math.max(0, place * height - list.clientHeight / 2);
     }
   }
   list.addEventListener("scroll", draw);
@@ -160,8 +169,8 @@ export function moveChoice(state, by) {
   }
 }
 
-/** First, previous, next; and which one of how many that is. */
-function makeGoing(state, fly) {
+/** First, previous, next; and which one of how many that is, in the order of the list. */
+function makeGoing(data, state, fly) {
   const goes = { "go-first": -Infinity, "go-previous": -1, "go-next": 1 };
   for (const [id, by] of Object.entries(goes)) {
     byId(id).addEventListener("click", () => {
@@ -169,13 +178,14 @@ function makeGoing(state, fly) {
       fly(state.values.chosen);
     });
   }
-  state.on(["picked", "chosen"], ({ picked, chosen }) => {
+  state.on(["picked", "chosen"], ({ index, picked, chosen, order }) => {
     const place = picked.indexOf(chosen);
-    byId("goes").hidden = picked.length === 0;
+    const measure = order === "toi" ? measureOf(data.step(index)) : null;
+    byId("goes").hidden = picked.length === 0 || (picked.length === 1 && place === 0);
     byId("go-first").disabled = place === 0;
     byId("go-previous").disabled = place <= 0;
     byId("go-next").disabled = place === picked.length - 1;
-    byId("place").textContent = place < 0 ? "" : `${count(place + 1)} of ${count(picked.length)}`;
+    byId("place").textContent = place < 0 ? "" : `${count(place + 1)} of ${count(picked.length)}${measure ? `, by ${measure.name}` : ""}`;
   });
 }
 
@@ -227,12 +237,14 @@ function makeFilters(data, state) {
 }
 
 export function makeContacts(data, state, fly) {
+  const isTouched = window.matchMedia("(pointer: coarse)").matches;
   makeFilters(data, state);
   state.on(["index", "kinds", "range", "order", "pair", "find"], ({ index, ...filters }, changed) => {
     const step = data.step(index);
     const picked = pickContacts(step, filters);
     const isKept = picked.includes(filters.chosen) && !(changed.has("index") && !changed.has("chosen"));
-    state.set({ picked, chosen: isKept ? filters.chosen : -1 });
+    const isLeft = filters.chosen >= 0 && !isKept && changed.has("index") && !changed.has("t");
+    state.set({ picked, chosen: isKept ? filters.chosen : -1, ...(isLeft ? { t: 1 } : {}) }); // not its moment
     const isCut = filters.range[0] > 0 || filters.range[1] < 1;
     const greatest = step.near ? step.contacts.greatest : 1;
     byId("range-clear").hidden = !isCut;
@@ -242,9 +254,10 @@ export function makeContacts(data, state, fly) {
     byId("order-box").hidden = measure === null;
     byId("order").options[0].textContent = measure?.name ?? "time";
     const all = step.contacts.count;
-    byId("picked").textContent = picked.length === all ? `${count(all)} listed` : `${count(picked.length)} of ${count(all)} listed`;
+    const hint = picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
+    byId("picked").textContent = `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
   });
-  makeGoing(state, fly);
+  makeGoing(data, state, fly);
   makeHistogram(data, state);
   makeList(data, state, fly);
 }

@@ -14,7 +14,7 @@ import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
 import { makeTimeline } from "./timeline.js";
 import { makeGoTo, makeTransport } from "./transport.js";
-import { digits, measureOf } from "./words.js";
+import { digits, firstOf, measureOf, nounOf } from "./words.js";
 
 const WIRES_MAX = 30000; // triangles up to which edges are drawn at first
 
@@ -112,6 +112,24 @@ function connectView(data, state, view) {
   });
 }
 
+/** The step that has the most contacts, or that was told the most. */
+const busiestOf = ({ meta: { steps } }) =>
+  steps.reduce((best, { answer }, i) => (answer.total > steps[best].answer.total ? i : best), 0);
+
+/** Where a page opens that is asked for nothing else: at the first contact, or at the start. On a
+ * phone what is known of a contact would lie over the rest. */
+function openingOf(step) {
+  const first = firstOf(step);
+  const isPhone = window.matchMedia("(max-width: 680px)").matches; // as in style.css
+  return { chosen: isPhone ? -1 : first, t: step.near ? 1 : first < 0 ? 0 : step.contacts.toi[first] };
+}
+
+/** Which moment of a step that is. */
+function momentText(step, t) {
+  const first = firstOf(step);
+  return first >= 0 && Math.abs(t - step.contacts.toi[first]) < 1e-6 ? ", its first contact" : { 0: ", its start", 1: ", its end" }[t] ?? "";
+}
+
 /** What is seen, under the view: which moment, and what the colours mean. */
 function makeCaption(data, state) {
   const draw = oncePerFrame(() => {
@@ -119,7 +137,9 @@ function makeCaption(data, state) {
     const step = data.step(index);
     const measure = measureOf(step);
     const greatest = step.near ? step.contacts.greatest : 1;
-    byId("caption").textContent = step.near ? `question ${step.number}` : `step ${step.number}, t = ${digits(t)}`;
+    const isBusiest = data.meta.steps.length > 1 && index === busiestOf(data) && step.answer.total > 0;
+    const which = `${step.near ? "question" : "step"} ${step.number}${isBusiest ? `, with the most ${nounOf(step)[1]}` : ""}`;
+    byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t)}`;
     byId("scale-box").hidden = measure === null || picked.length === 0;
     byId("scale").style.background = scaleGradient();
     byId("scale-text").textContent = step.near ? "distance" : "time of impact";
@@ -167,7 +187,7 @@ async function copyText(text) {
 async function start() {
   const data = readData();
   const { steps } = data.meta;
-  const busiest = steps.reduce((best, { answer }, i) => (answer.total > steps[best].answer.total ? i : best), 0);
+  const busiest = busiestOf(data);
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
   const first = {
     index: busiest, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi", find: "", pair: "",
@@ -194,6 +214,7 @@ async function start() {
     const { index } = state.values;
     if (view && i >= 0) {
       const step = data.step(index);
+      byId("view").scrollIntoView({ block: "nearest" }); // on a phone the list is below it
       state.set({ t: step.near ? 1 : step.contacts.toi[i], playing: false });
       view.flyToContact(step, i, step.contacts.toi[i], sizeOf(step, i, view.extentRadius()), isClose);
     }
@@ -216,6 +237,7 @@ async function start() {
     },
   };
   byId("thick").hidden = !isThick(data.meta);
+  byId("list-part").hidden = steps.every(({ contacts, lines }) => contacts.count === 0 && !lines?.count);
   makeHead(data);
   makeContacts(data, state, does.fly);
   if (view) {
@@ -237,7 +259,7 @@ async function start() {
     state.set(rest);
     state.set({ chosen: state.values.picked.includes(chosen) ? chosen : -1 });
   };
-  follow(said);
+  follow(window.location.hash.length > 1 ? said : openingOf(data.step(busiest)));
   keepAddress(data, state, first);
   window.addEventListener("hashchange", async () => {
     const asked = readAddress(data);

@@ -7,7 +7,7 @@ import { KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
-import { digits, featureText, flagText, measureOf, nounOf, sentenceOf, sideOf } from "./words.js";
+import { digits, featureText, firstOf, flagText, headOf, measureOf, nounOf, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -89,7 +89,7 @@ export function makeAnswer(data, state) {
     const [before, total, behind] = sentenceOf(step, steps[steps.length - 1].number);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
-    byId("records-head").textContent = step.near ? "Near" : answer.mode === "pairs" ? "Pairs" : "Contacts";
+    byId("records-head").textContent = headOf(step);
     byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step));
     byId("engine-facts").replaceChildren(
       ...(step.near ? [] : [fact("mode", answer.mode)]),
@@ -139,7 +139,7 @@ function recordFacts(step, i, meta) {
     ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
     ...(measure && (step.near || apart > 0) ? [["distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
-    ["record", `${count(i + 1)} of ${count(step.contacts.count)}`],
+    ...(measure?.name === "time" ? [["drawn by", `render --steps ${step.number} --at 'contact ${i + 1}'`]] : []),
   ];
 }
 
@@ -151,6 +151,15 @@ export function recordText(step, i, meta) {
   return `${step.near ? "question" : "step"} ${step.number}: ${facts.first} ${measureOf(step)?.name === "time" ? "meets" : "and"} ${facts.second}`
     + `${details.length > 0 ? ` at ${details.join(", ")}` : ""}${facts.begins ? ` (${facts.begins})` : ""}`;
 }
+
+/** In which colour of style.css the view draws what a fact names; undefined: it does not. */
+function drawnAs(step, i, name) {
+  return { first: "feature-a", second: "feature-b", [apartOf(step, i) > 0 ? "distance" : "normal"]: "normal" }[name];
+}
+
+/** A point is drawn as the way that it goes. */
+const isWay = (step, i, name) => !step.near && ((name === "first" && sideOf(step, i, "a").points === 1)
+  || (name === "second" && sideOf(step, i, "b").points === 1));
 
 /** The record that is chosen, with all that is known of it. */
 export function makeDetail(data, state, does) {
@@ -164,14 +173,14 @@ export function makeDetail(data, state, does) {
     byId("copied").textContent = "";
     if (isShown) {
       const [one] = nounOf(step);
-      byId("detail-head").textContent = one === "contact" ? "Contact" : "Record";
+      const noun = one === "contact" ? "contact" : "record";
+      byId("detail-head").textContent = chosen === firstOf(step) ? `First ${noun}` : `${noun[0].toUpperCase()}${noun.slice(1)}`;
       byId("detail-facts").replaceChildren(...recordFacts(step, chosen, data.meta).flatMap(([name, text]) => {
-        const dot = element("i", { className: "dot square" });
-        const side = { first: "a", second: "b" }[name];
-        if (side) {
-          dot.style.background = cssOf(colourOfObject(sideOf(step, chosen, side).object));
-        }
-        return [element("dt", {}, name), element("dd", {}, ...(side ? [dot] : []), text)];
+        const dot = element("i", { className: "dot square", title: "its colour in the view" });
+        const drawn = drawnAs(step, chosen, name);
+        dot.style.background = `var(--${drawn})`;
+        return [element("dt", {}, name), element("dd", {}, ...(drawn ? [dot] : []), text,
+          ...(isWay(step, chosen, name) ? [element("span", { className: "quiet" }, ", the line is its way")] : []))];
       }));
     }
   });

@@ -25,10 +25,10 @@ export function sideOf({ contacts, objects }, i, side) {
 }
 
 /** "vertex 3 of cloth", "edge 4-7 of ball": an edge by its vertices, which files name. */
-export function featureText(step, i, side, of = " of ") {
+export function featureText(step, i, side) {
   const { object, points, feature, vertices } = sideOf(step, i, side);
   const number = points === 2 && vertices.length > 0 ? vertices.join("-") : feature;
-  return `${FEATURES[points]} ${number}${step.objects.length > 1 ? `${of}${step.objects[object].name}` : ""}`;
+  return `${FEATURES[points]} ${number}${step.objects.length > 1 ? ` of ${step.objects[object].name}` : ""}`;
 }
 
 /** How the features of a contact begin: {text, title}, or null where it is as ever. */
@@ -77,6 +77,19 @@ function nearNoun({ near, asked }) {
   }[near] ?? ["record", "records"];
 }
 
+/** What stands over the list of a step's records. */
+export const headOf = ({ near, answer }) => (!near ? (answer.mode === "pairs" ? "Pairs that may meet" : "Contacts") : {
+  pairs: "Pairs of features", features: "Closest features", vertices: "Vertices", nearest: "Nearest pairs",
+  crossings: "Edges through faces", depth: "Vertices inside",
+}[near] ?? "Records");
+
+/** The record with the least time, or distance; -1: none has one. */
+export function firstOf(step) {
+  const { toi } = step.contacts;
+  return measureOf(step) === null ? -1
+    : toi.reduce((first, its, i) => (first < 0 || its < toi[first] ? i : first), -1);
+}
+
 /** What the records of a step are called: [one, many]. */
 export const nounOf = (step) => (step.near ? nearNoun(step)
   : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
@@ -95,6 +108,7 @@ export function sentenceOf(step, last) {
   const asked = { first: ", as only the first was asked for", "first-per-pair": ", the first of each two objects" }[answer.mode] ?? "";
   const first = near && answer.distance_min !== null ? `; the least distance is ${digits(answer.distance_min)}`
     : !near && answer.toi_first !== null ? `, the first at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
-  const none = !near && answer.total === 0 && !cut ? ": nothing meets" : "";
+  const none = near === "vertices" ? "; pccdctl near --csv - lists them"
+    : !near && answer.total === 0 && !cut ? ": nothing meets" : "";
   return [before, answer.total, ` ${answer.total === 1 ? one : many}${whereText(step)}${first}${asked}${none}${cut}`];
 }
