@@ -87,6 +87,8 @@ timeout 100 "$PCCDCTL" near --private --json --what nearest scene.json >out 2>er
     grep -q '2 objects, [1-9][0-9]* contacts' out &&
     timeout 100 "$PCCDCTL" export --private -o p.glb scene.json >out 2>err && [ -s p.glb ] &&
     timeout 100 "$PCCDCTL" inspect --private -o p.html scene.json >out 2>err && [ -s p.html ] &&
+    timeout 100 "$PCCDCTL" record -o between.rec scene.json --between box,box >out 2>err &&
+    grep -qE '^contacts +0' out &&
     ! timeout 100 "$PCCDCTL" render --private -o q.png --no-self r.rec >out 2>err &&
     grep -q 'r.rec is a recording' err
 report scene__is_taken_by_all_commands

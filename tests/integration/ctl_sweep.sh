@@ -244,6 +244,12 @@ done && sed 's/^v /v 9/' post.obj >far.obj && jams --json hinge.json &&
     fails 4 '--clearance: "leaf,leaf=1" does not name two' sweep --clearance leaf,leaf=1 hinge.urdf &&
     ends 2 '"-1" is no number' sweep --clearance leaf,post=-1 hinge.urdf &&
     ends 2 'not two names' sweep --clearance leaf=1 hinge.urdf &&
+    jams --between leaf,post --json hinge.json && holds jams pin 0.42343135397717 1e-6 &&
+    ctl sweep --between far,post hinge.json && ctl sweep --allow leaf,post --between leaf,post hinge.json &&
+    fails 4 '"leaf,no" does not name two objects' sweep --between leaf,no hinge.json &&
+    ends 2 '--between is of scene files' sweep --between leaf,post hinge.urdf &&
+    sed '/"post", "files"/s/{"name": "post".*$//; s/, {"name": "far".*}//; /"ignore"/s/,$//; s/^ "ignore".*/ "ignore": []}/; s/\[$/[/' hinge.json >leaf.json &&
+    jams --with post.obj --json leaf.json && holds jams pin 0.52359877559829887 1e-6 &&
     sed 's/"post", 0.1/"post"/' hinge.json >bad.json &&
     fails 4 'a pair of "clearance" is ["name", "name", distance]' sweep bad.json &&
     sed 's/"post", 0.1/"post", -1/' hinge.json >bad.json &&

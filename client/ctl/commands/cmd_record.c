@@ -72,10 +72,11 @@ const struct option_table ctl_table_record = {
     .rows = rows,
     .parts = (const struct option_part[]){{&ctl_common_table, 0}, {0}},
     .check = check,
-    .arguments = "-- PROGRAM [ARGUMENT...]\nSCENE",
+    .arguments = "-- PROGRAM [ARGUMENT...]\nSCENE [SCENE OPTION...]",
     .ends_options = true,
     .text = "Run a program that uses libpccd, and record everything that it asks and "
-            "is answered. A scene file is played by a daemon of its own.",
+            "is answered. A scene file is played by a daemon of its own, with the "
+            "options of pccdctl load that are behind it.",
     .more = "The program needs no change: libpccd looks for $PCCD_RECORD. What is in "
             "the file survives the end of the program and of the daemon, however "
             "they end. Exit status: that of the program, 128 + N when signal N ended "
@@ -134,6 +135,27 @@ static int run(char **command, bool *has_run)
         ;
     }
     return WIFSIGNALED(state) ? 128 + WTERMSIG(state) : WEXITSTATUS(state);
+}
+
+/* Run the program, or play a scene file, with the options that are behind it. */
+static int run_asked(const struct record_command *command, bool *has_run)
+{
+    char own_program[] = "/proc/self/exe";
+    const struct option_arguments *asked = &command->program;
+    if (!scene_is_named(asked->list[0])) {
+        return run(asked->list, has_run);
+    }
+    char **load = calloc(asked->count + 4u, sizeof *load);
+    if (load == NULL) {
+        return ctl_complain("out of memory");
+    }
+    load[0] = own_program;
+    load[1] = "load";
+    load[2] = "--private";
+    memcpy(load + 3, asked->list, asked->count * sizeof *load);
+    int status = run(load, has_run);
+    free(load);
+    return status;
 }
 
 /* ---- what is there already --------------------------------------------------------- */
@@ -312,7 +334,6 @@ static int report_all(const struct record_command *command,
 
 int ctl_cmd_record(int argc, char **argv)
 {
-    char own_program[] = "/proc/self/exe";
     struct record_command command = {.level = LEVEL_UNSET};
     char *name = NULL;
     if (option_parse(&ctl_table_record, argc, argv, &command) != 0) {
@@ -329,10 +350,7 @@ int ctl_cmd_record(int argc, char **argv)
     }
     if (status == CTL_DONE) {
         note_files(command.path, was_there);
-        char *load[] = {own_program, "load", "--private", command.program.list[0], NULL};
-        bool is_scene =
-            command.program.count == 1 && scene_is_named(command.program.list[0]);
-        status = run(is_scene ? load : command.program.list, &has_run);
+        status = run_asked(&command, &has_run);
     }
     if (has_run) {
         int recorded = report_all(&command, was_there);

@@ -24,7 +24,7 @@ struct command {
     struct option_arguments files;
     struct ctl_link link;
     struct robot_options robot;
-    struct scene_texts joints, fixed, apart, clearances;
+    struct scene_texts joints, fixed, apart, between, clearances;
     double clearance, bracket, least;
     uint32_t limit, threads;
     const char *edges;   /* NULL: ranges are swept */
@@ -82,9 +82,11 @@ static void check_usage(struct argp_state *state, void *to)
         option_misused(state, "--joint: at most %u of them move at a time",
                        SWEEP_AXES_MAX);
     }
-    if (is_scene && (command->robot.srdf != NULL || command->robot.meshes.count > 0 ||
-                     command->robot.with.count > 0)) {
-        option_misused(state, "--srdf, --meshes and --with are of URDF files");
+    if (is_scene && (command->robot.srdf != NULL || command->robot.meshes.count > 0)) {
+        option_misused(state, "--srdf and --meshes are of URDF files");
+    }
+    if (!is_scene && command->between.count > 0) {
+        option_misused(state, "--between is of scene files; see --allow");
     }
     if (command->edges != NULL && command->joints.count > 0) {
         option_misused(state, "--edges: not with --joint; all joints move");
@@ -127,6 +129,9 @@ static const struct option_row rows[] = {
     {"allow", 0, "A,B",
      "These two parts may meet, as those do that touch by design; may be repeated",
      OPTION_OWN, .at = AT(apart), .take = take_apart},
+    {"between", 0, "A,B",
+     "Compare the parts of a scene file only that are named so; may be repeated",
+     OPTION_OWN, .at = AT(between), .take = take_apart},
     {"with", 0, "FILE", "Add a mesh that stands, as another part; may be repeated",
      OPTION_OWN, .at = AT(robot.with), .take = take_text},
     {"srdf", 0, "FILE", "Leave out the pairs of links that this file disables",
@@ -337,7 +342,9 @@ static int read_scene(const struct command *command, struct run *run,
     static const struct ctl_frames_options frames = {.weld = 0};
     run->scene = (struct scene){
         .frames = &frames, .first_alone = true, .takes_joints = true, .last = UINT32_MAX};
-    int status = scene_read_file(&run->scene, command->files.list[0], error);
+    const struct scene_options options = {.with = command->robot.with,
+                                          .between = command->between};
+    int status = scene_take(&run->scene, &command->files, true, &options, error);
     if (status == PCCD_OK) {
         status = scene_open(&run->scene, error);
     }
@@ -632,6 +639,7 @@ int ctl_cmd_sweep(int argc, char **argv)
     free(command.joints.list);
     free(command.fixed.list);
     free(command.apart.list);
+    free(command.between.list);
     free(command.clearances.list);
     free(command.robot.meshes.list);
     free(command.robot.with.list);
