@@ -143,15 +143,17 @@ for i in 0 1 2 3; do
     frame "$i" >"$work/f$i.ply"
 done
 
-# What a report has that is not time or work, and not where something meets, which no rank knows:
-# one "key: value" a line.
-without_first() { # FILE
-    sed '/^  "first": {/,/^  }/d; /^      "first": {/,/^      }/d; /"first": null/d' "$1" |
-        sed '/^  "place": {/,/^  }/d; /^    "place": {/,/^    }/d; /"place": null/d' # of near
+# What a report has that is not time or work, and not the place of what is near, which no rank
+# knows: one "key: value" a line.
+without_place() { # FILE
+    sed '/^  "place": {/,/^  }/d; /^    "place": {/,/^    }/d; /"place": null/d' "$1"
 }
 told() { # FILE
-    without_first "$1" |
-        sed -n '/"counters": {/,/}/d; /"ms": {/,/}/d; /"threads"/d; /"tuning"/d; p'
+    without_place "$1" | sed '/"counters": {/,/}/d; /"ms": {/,/}/d; /"threads"/d; /"tuning"/d'
+}
+# What people read of each step, and of all.
+read_aloud() { # FILE
+    sed -nE 's/, [0-9.]+ ms$//; /^( *[0-9]+  |verdict|standing|           )/p' "$1"
 }
 # same_report NAME RANKS ARGUMENT...
 same_report() {
@@ -167,8 +169,8 @@ same_report() {
         [ "$(wc -l <"$work/one.csv")" -gt 1 ] &&
         diff <(told "$work/one.json") <(told "$work/ranks.json") >>"$log" 2>&1 &&
         # The keys are the same, also of what may differ.
-        diff <(without_first "$work/one.json" | grep -o '^ *"[a-z_]*":') \
-            <(without_first "$work/ranks.json" | grep -o '^ *"[a-z_]*":') >>"$log" 2>&1
+        diff <(grep -o '^ *"[a-z_]*":' "$work/one.json") \
+            <(grep -o '^ *"[a-z_]*":' "$work/ranks.json") >>"$log" 2>&1
     local status=$?
     [ $status -eq 0 ] || echo "$name, $count ranks: $*" >>"$log"
     return $status
@@ -300,7 +302,10 @@ sed '/^o Spikes/d; /^o Rod/d' "$work/objects/a10.obj" >"$work/one10.obj"
     same_report one_object 3 "$work/one%d.obj" && same_report pairs 3 --mode pairs "$work/objects/a%d.obj" &&
     # Without the CSV, for which the first rank reads all.
     { ranks 3 "$top_builddir/pccd-mpi" check "$work/objects/a%d.obj" "$work/objects/a9.obj" >"$work/out" 2>"$log"; [ $? -eq 1 ]; } &&
-    grep -qx '           "Floor", "Spikes": [0-9]*' "$work/out" &&
+    grep -qx '           "Floor", "Spikes": [0-9]*' "$work/out" && grep -q '^verdict  *meets first in step 1, at t in .* of "Spikes"' "$work/out" &&
+    grep -q ' ends crossed .* new' "$work/out" && grep -q ', first at .*: .* of "[A-Z].* meets .* at (' "$work/out" &&
+    { "$PCCDCTL" check --url direct: "$work/objects/a%d.obj" "$work/objects/a9.obj" >"$work/one"; [ $? -eq 1 ]; } &&
+    diff <(read_aloud "$work/one") <(read_aloud "$work/out") >>"$log" &&
     { ranks 3 "$top_builddir/pccd-mpi" check --mode any "$work/objects/a%d.obj" >"$work/out" 2>"$log"; [ $? -eq 1 ]; }
 tap_result $? mpi__check_of_objects_says_what_pccdctl_says "$log"
 
@@ -386,8 +391,8 @@ same_near() {
         diff <(cut -d, -f1-17 "$work/one.csv") "$work/ranks.csv" >>"$log" 2>&1 && # no x,y,z
         [ "$(wc -l <"$work/one.csv")" -gt 1 ] &&
         diff <(told "$work/one.json") <(told "$work/ranks.json") >>"$log" 2>&1 &&
-        diff <(without_first "$work/one.json" | grep -o '^ *"[a-z_]*":') \
-            <(without_first "$work/ranks.json" | grep -o '^ *"[a-z_]*":') >>"$log" 2>&1
+        diff <(without_place "$work/one.json" | grep -o '^ *"[a-z_]*":') \
+            <(without_place "$work/ranks.json" | grep -o '^ *"[a-z_]*":') >>"$log" 2>&1
     local status=$?
     [ $status -eq 0 ] || echo "near, $count ranks: $*" >>"$log"
     return $status

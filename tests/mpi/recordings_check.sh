@@ -334,6 +334,8 @@ for count in 2 1; do
     program "$count" check --deal --json --results "$work/lines-x" "$work"/{x,x,x}.obj >"$work/ranks" 2>>"$log"
     [ $? -eq 1 ] && diff <(told_of "$work/one") <(told_of "$work/ranks") >>"$log" || status=1
 done
+program 2 check --deal "$work"/{x,x,x}.obj >"$work/out" 2>>"$log"
+grep -qx 'verdict    crossed, and nothing else meets; standing 2 crossings, in the last frame 2; no new crossings' "$work/out" || status=1
 [ $status -eq 0 ] && refused 'other recordings, options' "$work/lines" check --deal \
     --results "$work/lines" "$work/c.obj" "${sequence[@]:1}" &&
     { program 2 check --deal "$work/a.obj" "$work/none.obj" "$work/b.obj" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&

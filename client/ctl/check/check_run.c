@@ -207,14 +207,39 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     return status == PCCD_OK ? pccd_wait(run->client, step, -1, answer) : status;
 }
 
-/* In the order of the answer, where several are the earliest. */
-static void find_first(const struct pccd_answer *page, struct pccd_contact *first)
+void check_run_find_first(const struct pccd_answer *page, struct pccd_contact *first)
 {
     for (uint64_t i = 0; page->contacts != NULL && i < page->count; i++) {
         if (page->contacts[i].toi < first->toi) {
             *first = page->contacts[i];
         }
     }
+}
+
+void check_run_set_first(const struct objects *objects,
+                         const struct pccd_contact *contact,
+                         const struct place_feature ends[2], struct report_first *first)
+{
+    const uint32_t handles[2] = {contact->object_a, contact->object_b};
+    const uint32_t features[2] = {contact->feature_a, contact->feature_b};
+    double at[2][3];
+    *first = (struct report_first){.is_known = true,
+                                   .kind = contact->kind,
+                                   .toi = contact->toi,
+                                   .toi_hi = contact->toi_hi};
+    for (uint32_t side = 0; side < 2; side++) {
+        uint32_t points = common_kinds[contact->kind].points[side];
+        first->part[side] = objects != NULL
+                                ? objects_part(objects_find(objects, handles[side]),
+                                               points, features[side])
+                                : REPORT_NO_PART;
+        first->feature[side] = points == 2 ? ends[side].corners[0] : features[side];
+        first->other[side] = points == 2 ? ends[side].corners[1] : 0;
+    }
+    place_find(contact->kind, contact->param, ends, place_time(contact), at);
+    first->x = at[1][0];
+    first->y = at[1][1];
+    first->z = at[1][2];
 }
 
 int check_run_place(struct check_run *run, const struct scene *files, uint32_t number,
@@ -224,7 +249,6 @@ int check_run_place(struct check_run *run, const struct scene *files, uint32_t n
     const uint32_t handles[2] = {contact->object_a, contact->object_b};
     const uint32_t features[2] = {contact->feature_a, contact->feature_b};
     struct place_feature ends[2];
-    double at[2][3];
     *first = (struct report_first){
         .kind = contact->kind, .toi = contact->toi, .toi_hi = contact->toi_hi};
     if (contact->kind >= COMMON_KIND_COUNT) {
@@ -240,19 +264,8 @@ int check_run_place(struct check_run *run, const struct scene *files, uint32_t n
         if (status != PCCD_OK) {
             return check_run_fail(run, status, "no place", error);
         }
-        first->part[side] = REPORT_NO_PART;
-        if (run->objects != NULL) {
-            first->part[side] = objects_part(objects_find(run->objects, handles[side]),
-                                             points, features[side]);
-        }
-        first->feature[side] = points == 2 ? ends[side].corners[0] : features[side];
-        first->other[side] = points == 2 ? ends[side].corners[1] : 0;
     }
-    place_find(contact->kind, contact->param, ends, place_time(contact), at);
-    first->x = at[1][0];
-    first->y = at[1][1];
-    first->z = at[1][2];
-    first->is_known = true;
+    check_run_set_first(run->objects, contact, ends, first);
     return PCCD_OK;
 }
 
@@ -263,7 +276,7 @@ static void show_page(void *context, const struct pccd_answer *page)
     if (motion->csv->whole.to != NULL) {
         contacts_csv_page(motion->csv, motion->number, page);
     }
-    find_first(page, motion->first);
+    check_run_find_first(page, motion->first);
     if (motion->run->note != NULL) {
         motion->run->note(motion->run->owner, page);
     }
@@ -321,24 +334,6 @@ int check_run_again(struct check_run *run, const struct scene *files, uint32_t n
                  : check_run_fail(run, status, "the step failed", error);
     free(motions);
     return status;
-}
-
-int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,
-                    struct ctl_error *error)
-{
-    uint32_t incomplete = 0;
-    *is_free = true;
-    for (uint32_t i = 0; i < step_count; i++) {
-        *is_free = *is_free && !report_meets(&steps[i]);
-        incomplete += !steps[i].is_complete;
-    }
-    return incomplete == 0 || !*is_free
-               ? PCCD_OK
-               : ctl_error_set(error, PCCD_E_TIMEOUT,
-                               "nothing was found, but %" PRIu32 " of %" PRIu32
-                               " %s incomplete",
-                               incomplete, step_count,
-                               proto_plural(step_count, "answer is", "answers are"));
 }
 
 void check_run_deinit(struct check_run *run)

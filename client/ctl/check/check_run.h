@@ -142,10 +142,14 @@ struct check_ask {
  * `step` but the names of files. run->times is there. */
 int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
                      struct report_step *step, struct ctl_error *error);
-/* Set *is_free if nothing meets in any step. Errors: E_TIMEOUT where nothing does in what
- * was looked at, and an answer is incomplete. (pccd-mpi; judge.h says more.) */
-int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,
-                    struct ctl_error *error);
+/* Have the earliest contact of a page in `first`, unless what it has is as early: in the
+ * order of the answer, where several are. */
+void check_run_find_first(const struct pccd_answer *page, struct pccd_contact *first);
+/* Say where a contact is of a kind that is known: whose `ends` are there, and the parts
+ * of objects (NULL: without) that have it. */
+void check_run_set_first(const struct objects *objects,
+                         const struct pccd_contact *contact,
+                         const struct place_feature ends[2], struct report_first *first);
 /* Make run->times. */
 int check_run_times(struct check_run *run, struct ctl_error *error);
 /* Set the error to `what`, and the library's own words about a failed call. Returns

@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "columns.h"
 #include "meshframes.h"
 #include "pccd.h"
 
@@ -73,6 +74,15 @@ struct report_first {
     double x, y, z; /* the point of the second feature, then */
 };
 
+/* Edges that pass through faces where a step ends. */
+struct report_ends {
+    bool is_known; /* these are */
+    uint64_t crossings;
+    uint64_t standing; /* of these, as in the first frame */
+    uint64_t fresh;    /* new: neither there nor at its beginning */
+    uint64_t gone;     /* at its beginning, and not any more */
+};
+
 struct report_step {
     const char *from, *to; /* files */
     struct pccd_answer
@@ -83,6 +93,7 @@ struct report_step {
     double ms[REPORT_PHASE_COUNT]; /* medians of the timed runs */
     double round_trip_ms; /* the same, from submit to answer as the client sees it */
     struct report_first first;
+    struct report_ends ends;
     struct report_pair *pairs; /* whose free() is the caller's; NULL: no objects */
     uint32_t pair_count;
 };
@@ -115,9 +126,10 @@ void report_print_pairs(FILE *to, const struct report_scene *scene,
 bool report_meets(const struct report_step *step);
 
 /* Print one JSON object: of one step, the step's values at the top; of several, their
- * sums and an array "steps". False: no memory, or it could not be written. */
+ * sums, an array "steps", and `verdict` (judge_line), which is ours to give back, as
+ * "sequence". False: no memory, or it could not be written. */
 bool report_json(FILE *to, const struct report_scene *scene,
-                 const struct report_step *steps, uint32_t step_count);
+                 const struct report_step *steps, uint32_t step_count, json_t *verdict);
 
 /* Tell what became of vertices at one place: lines where there is something to tell;
  * members of an object. */
@@ -144,6 +156,9 @@ void report_json_rest(json_t *object, double build_ms, const struct report_step 
 
 /* Return what an answer has counted, as an object. NULL, or *ok false, without memory. */
 json_t *report_counters(const struct pccd_answer *answer, bool *ok);
+
+/* Members of a struct report_step: what crosses where it ends. */
+extern const struct column report_ends_columns[];
 
 /* ---- A step's report as one JSON object, and back. */
 

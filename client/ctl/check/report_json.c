@@ -218,6 +218,18 @@ json_t *report_place(const struct report_scene *scene, const struct report_first
     return object;
 }
 
+/* Set what crosses where a step ends, or null. */
+static void add_ends(json_t *object, const struct report_step *step, bool *ok)
+{
+    const struct column *column = report_ends_columns;
+    if (step->ends.is_known) {
+        *ok = *ok && columns_add(object, column, step);
+    }
+    for (; !step->ends.is_known && column->json != NULL; column++) {
+        json_set(object, column->json, json_null(), ok);
+    }
+}
+
 static void add_step(json_t *object, const struct report_scene *scene,
                      const struct report_step *step, bool *ok)
 {
@@ -245,6 +257,7 @@ static void add_step(json_t *object, const struct report_scene *scene,
     json_set_count(object, "sliding", answer->sliding, ok);
     json_set_count(object, "leaving", answer->leaving, ok);
     json_set(object, "objects", pairs_array(scene, step, ok), ok);
+    add_ends(object, step, ok);
     report_json_rest(object, scene->build_ms, step, ok);
 }
 
@@ -280,7 +293,7 @@ static void add_steps(json_t *object, const struct report_scene *scene,
 }
 
 bool report_json(FILE *to, const struct report_scene *scene,
-                 const struct report_step *steps, uint32_t step_count)
+                 const struct report_step *steps, uint32_t step_count, json_t *verdict)
 {
     json_t *object = json_object();
     bool ok = object != NULL;
@@ -289,6 +302,8 @@ bool report_json(FILE *to, const struct report_scene *scene,
         add_step(object, scene, &steps[0], &ok);
     } else {
         add_steps(object, scene, steps, step_count, &ok);
+        json_set(object, "sequence", json_incref(verdict), &ok);
     }
+    json_decref(verdict);
     return output_json(object, ok, to);
 }

@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "columns.h"
 #include "numbers.h"
 
 #define OF(member) COLUMN_OF(struct report_step, member)
@@ -39,15 +38,29 @@ static const struct column columns[] = {
     {"first_x", .type = COLUMN_EXACT, OF(first.x)},
     {"first_y", .type = COLUMN_EXACT, OF(first.y)},
     {"first_z", .type = COLUMN_EXACT, OF(first.z)},
+    {"ends_known", .type = COLUMN_NUMBER, OF(ends.is_known)},
+    {0}};
+
+const struct column report_ends_columns[] = {
+    {"ends_crossed", .type = COLUMN_NUMBER, OF(ends.crossings)},
+    {"standing", .type = COLUMN_NUMBER, OF(ends.standing)},
+    {"new", .type = COLUMN_NUMBER, OF(ends.fresh)},
+    {"gone", .type = COLUMN_NUMBER, OF(ends.gone)},
     {0}};
 
 json_t *report_line(const struct report_step *step)
 {
-    return columns_json(columns, step);
+    json_t *line = columns_json(columns, step);
+    if (line != NULL && !columns_add(line, report_ends_columns, step)) {
+        json_decref(line);
+        line = NULL;
+    }
+    return line;
 }
 
 bool report_line_read(const json_t *line, struct report_step *step)
 {
     memset(step, 0, sizeof *step);
-    return columns_read(line, columns, step);
+    return columns_read(line, columns, step) &&
+           columns_read(line, report_ends_columns, step);
 }

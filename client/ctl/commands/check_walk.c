@@ -26,8 +26,7 @@ struct walk {
     struct check_run run;
     struct objects objects;
     struct contacts_csv csv;
-    struct crossings at_first, before, now; /* frames: the first; the ends of the step */
-    struct follow follow;
+    struct judge_ends ends;
     uint32_t ahead; /* a frame that was read while a step was computed; 0: none was */
     int ahead_status;
     struct ctl_error ahead_error;
@@ -165,76 +164,30 @@ static int open_lines(struct walk *walk, struct ctl_error *error)
 
 /* ---- steps ------------------------------------------------------------------------- */
 
-/* Say how the step begins, which is known from the frame before. */
-static void set_begin(const struct walk *walk, struct pccd_answer *answer)
+/* Ask what crosses where the step has ended. */
+static int ask_crossings(void *context, struct crossings *to, struct ctl_error *error)
 {
-    answer->crossings = walk->before.count;
-    if (answer->crossings > 0) {
-        answer->safe_step = 0;
-        if (answer->verdict == PCCD_VERDICT_NO) {
-            answer->verdict = PCCD_VERDICT_YES;
-        }
-    }
-}
-
-/* Return whether all that meets in the step is known: what crosses at its end is beside
- * that, or crossed at its begin. What slides may go on to cross, and was left out. */
-static bool can_follow(const struct walk *walk, const struct report_step *step)
-{
-    return !walk->judge.leaves_out && step->is_complete && walk->before.is_complete &&
-           (!report_meets(step) ||
-            (walk->run.settings.mode == PCCD_MODE_ALL && walk->follow.is_whole));
-}
-
-/* Find what crosses where the step ends. */
-static int look_at_end(struct walk *walk, struct judged *judged, struct ctl_error *error)
-{
-    static const struct crossings none;
-    struct report_step *step = &judged->report;
-    struct crossings spare = walk->before;
-    int status;
-    walk->before = walk->now;
-    walk->now = spare;
-    set_begin(walk, &step->answer);
-    if (can_follow(walk, step)) {
-        status = follow_crossings(&walk->follow, &walk->run, judged->number,
-                                  &walk->before, &walk->now, error);
-    } else {
-        status = crossings_ask(&walk->now, &walk->run, NULL, 0, error);
-        step->ms[REPORT_step] += walk->now.ms;
-    }
-    step->is_complete =
-        step->is_complete && walk->before.is_complete && walk->now.is_complete;
-    judged->knows_end = true;
-    judged->crossings = walk->now.count;
-    judged->standing =
-        walk->now.count - crossings_beyond(&walk->now, &walk->at_first, &none);
-    judged->fresh = crossings_beyond(&walk->now, &walk->at_first, &walk->before);
-    judged->gone = crossings_beyond(&walk->before, &walk->now, &none);
-    return status;
+    struct walk *walk = context;
+    return crossings_ask(to, &walk->run, NULL, 0, error);
 }
 
 static int make_step(struct walk *walk, uint32_t number, struct judged *judged,
                      struct ctl_error *error)
 {
     struct report_step *step = &judged->report;
-    struct pccd_answer *answer = &step->answer;
     *judged = (struct judged){.number = number};
     step->from = scene_frame_name(&walk->scene, number - 1);
     step->to = scene_frame_name(&walk->scene, number);
-    walk->follow.count = 0;
-    walk->follow.is_whole = true;
+    walk->ends.follow.count = 0;
+    walk->ends.follow.is_whole = true;
     int status =
         check_run_step(&walk->run, &walk->scene, number, &walk->csv, step, error);
     if (status != PCCD_OK) {
         return status;
     }
-    /* What begins crossed answers yes by that alone. */
-    judged->meets = answer->total > 0 || answer->verdict == PCCD_VERDICT_POSSIBLE ||
-                    (answer->verdict == PCCD_VERDICT_YES &&
-                     answer->crossings + answer->start_inside == 0);
-    judged_contact_set(&judged->first, &step->first, walk->run.told.names);
-    return walk->is_judged ? look_at_end(walk, judged, error) : PCCD_OK;
+    judged_set(judged, walk->run.told.names);
+    return walk->is_judged ? judge_ends_look(&walk->ends, &walk->run, number, step, error)
+                           : PCCD_OK;
 }
 
 /* Return whether a file is a pipe, which may have nothing yet: what is known by then is
@@ -265,7 +218,7 @@ static void note_page(void *context, const struct pccd_answer *page)
 {
     struct walk *walk = context;
     if (walk->is_judged && walk->run.settings.mode == PCCD_MODE_ALL) {
-        follow_note(&walk->follow, page);
+        follow_note(&walk->ends.follow, page);
     }
 }
 
@@ -291,8 +244,9 @@ static int walk_steps(struct walk *walk, struct ctl_error *error)
         if (status == PCCD_OK) {
             status = make_step(walk, i, &judged, error);
         }
-        if (status == PCCD_OK && (judged_fails(&judged) ||
-                                  (!judged.knows_end && report_meets(&judged.report)))) {
+        if (status == PCCD_OK &&
+            (judged_fails(&judged) ||
+             (!judged.report.ends.is_known && report_meets(&judged.report)))) {
             status = failing_keep(&walk->failing, &walk->run, &walk->scene, i, error);
         }
         if (status == PCCD_OK) {
@@ -436,11 +390,9 @@ static void print_scene(const struct walk *walk, bool has_meshes)
 static int look_at_first(struct walk *walk, struct ctl_error *error)
 {
     struct scene *scene = &walk->scene;
-    struct judged judged = {.knows_end = true};
-    int status = crossings_ask(&walk->at_first, &walk->run, NULL, 0, error);
-    judged.report.to = scene_frame_name(scene, 0);
-    judged.report.is_complete = walk->at_first.is_complete;
-    judged.crossings = judged.standing = walk->at_first.count;
+    struct judged judged = {.number = 0};
+    int status = crossings_ask(&walk->ends.first, &walk->run, NULL, 0, error);
+    judged_set_first(&judged, scene_frame_name(scene, 0), &walk->ends.first);
     if (status == PCCD_OK && !walk->has_first) {
         status = put(walk, &judged, error);
         if (status == PCCD_OK) {
@@ -451,12 +403,13 @@ static int look_at_first(struct walk *walk, struct ctl_error *error)
         status = scene_read(scene, walk->at, error);
     }
     if (status != PCCD_OK || walk->at == 0) {
-        return status == PCCD_OK ? crossings_copy(&walk->now, &walk->at_first, error)
-                                 : status;
+        return status == PCCD_OK
+                   ? crossings_copy(&walk->ends.end, &walk->ends.first, error)
+                   : status;
     }
     struct pccd_motion *motions = calloc(scene->object_count, sizeof *motions);
     status = motions != NULL
-                 ? crossings_ask(&walk->now, &walk->run, motions,
+                 ? crossings_ask(&walk->ends.end, &walk->run, motions,
                                  scene_motions(scene, walk->at, false, motions), error)
                  : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     free(motions);
@@ -483,7 +436,7 @@ static int walk_alone(struct walk *walk, struct ctl_error *error)
         return status;
     }
     if (walk->is_judged) {
-        status = follow_begin(&walk->follow, &walk->scene, error);
+        status = follow_begin(&walk->ends.follow, &walk->scene, error);
         status = status == PCCD_OK ? look_at_first(walk, error) : status;
     }
     walk->run.meanwhile = has_pipe(&walk->scene) ? NULL : read_ahead;
@@ -532,7 +485,8 @@ static int report_all(struct walk *walk, struct ctl_error *error)
             return status;
         }
     }
-    if (is_json && !report_json(walk->report, &walk->run.told, walk->steps, step_count)) {
+    if (is_json && !report_json(walk->report, &walk->run.told, walk->steps, step_count,
+                                step_count > 1 ? judge_line(&walk->judge) : NULL)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
     }
@@ -555,10 +509,7 @@ static void walk_deinit(struct walk *walk)
     check_lines_close(&walk->lines);
     json_decref(walk->head);
     free(walk->path);
-    crossings_deinit(&walk->at_first);
-    crossings_deinit(&walk->before);
-    crossings_deinit(&walk->now);
-    follow_deinit(&walk->follow);
+    judge_ends_deinit(&walk->ends);
     check_run_deinit(&walk->run);
     pccd_close(walk->run.client);
     failing_deinit(&walk->failing);
@@ -595,9 +546,11 @@ static int walk_all(struct walk *walk, struct ctl_error *error)
     }
     walk->has_names = has_names(&walk->scene);
     walk->judge.leaves_out = command->check.settings.touching == PCCD_TOUCHING_LEFT_OUT;
-    walk->is_judged = !command->check.ask.is_json &&
-                      (walk->scene.count > 2 || asked->path != NULL || asked->jobs > 1 ||
-                       walk->expected != NULL || walk->judge.leaves_out);
+    walk->ends.leaves_out = walk->judge.leaves_out;
+    walk->ends.ask = ask_crossings;
+    walk->ends.context = walk;
+    walk->is_judged = walk->scene.count > 2 || asked->path != NULL || asked->jobs > 1 ||
+                      walk->expected != NULL || walk->judge.leaves_out;
     walk->judge.is_thick = command->check.settings.separation > 0;
     for (uint32_t i = 0; i < walk->scene.object_count; i++) {
         walk->judge.is_thick =

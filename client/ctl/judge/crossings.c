@@ -14,12 +14,9 @@ struct asking {
     bool has_memory;
 };
 
-static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
+struct pccd_near_settings crossings_question(const struct pccd_step_settings *step)
 {
-    const struct asking *asking = context;
-    const struct pccd_step_settings *step = &asking->run->settings;
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
-    (void)is_again;
     settings.what = PCCD_NEAR_CROSSINGS;
     settings.threads = step->threads;
     settings.method = step->method;
@@ -27,14 +24,20 @@ static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
     if (step->tuning != NULL) {
         strncpy(settings.tuning, step->tuning, sizeof settings.tuning - 1);
     }
+    return settings;
+}
+
+static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
+{
+    const struct asking *asking = context;
+    const struct pccd_near_settings settings = crossings_question(&asking->run->settings);
+    (void)is_again;
     return pccd_ask_near(asking->run->client, asking->run->scene, asking->motions,
                          asking->motion_count, &settings, answer);
 }
 
-static void take_page(void *context, const struct pccd_answer *page)
+bool crossings_take(struct crossings *to, const struct pccd_answer *page)
 {
-    struct asking *asking = context;
-    struct crossings *to = asking->to;
     for (uint64_t i = 0; i < page->count && page->near != NULL; i++) {
         const struct pccd_near *near = &page->near[i];
         void *of = to->of;
@@ -42,13 +45,19 @@ static void take_page(void *context, const struct pccd_answer *page)
             continue; /* they touch */
         }
         if (!array_reserve(&of, to->count, &to->room, sizeof *to->of)) {
-            asking->has_memory = false;
-            return;
+            return false;
         }
         to->of = of;
         to->of[to->count++] = (struct crossing){near->object_a, near->feature_a,
                                                 near->object_b, near->feature_b};
     }
+    return true;
+}
+
+static void take_page(void *context, const struct pccd_answer *page)
+{
+    struct asking *asking = context;
+    asking->has_memory = asking->has_memory && crossings_take(asking->to, page);
 }
 
 static int compare(const void *a, const void *b)
@@ -137,4 +146,63 @@ void crossings_deinit(struct crossings *crossings)
 {
     free(crossings->of);
     *crossings = (struct crossings){.of = NULL};
+}
+
+/* ---- where steps begin and end ----------------------------------------------------- */
+
+/* Say how the step begins, which is known from the frame before. */
+static void set_begin(const struct crossings *begin, struct pccd_answer *answer)
+{
+    answer->crossings = begin->count;
+    if (answer->crossings > 0) {
+        answer->safe_step = 0;
+        if (answer->verdict == PCCD_VERDICT_NO) {
+            answer->verdict = PCCD_VERDICT_YES;
+        }
+    }
+}
+
+/* Return whether all that meets in the step is known: what crosses at its end is beside
+ * that, or crossed at its begin. What slides may go on to cross, and was left out. */
+static bool can_follow(const struct judge_ends *ends, enum pccd_mode mode,
+                       const struct report_step *step)
+{
+    return !ends->leaves_out && step->is_complete && ends->begin.is_complete &&
+           (!report_meets(step) || (ends->follow.scene != NULL && mode == PCCD_MODE_ALL &&
+                                    ends->follow.is_whole));
+}
+
+int judge_ends_look(struct judge_ends *ends, const struct check_run *run, uint32_t number,
+                    struct report_step *step, struct ctl_error *error)
+{
+    static const struct crossings none;
+    const struct crossings spare = ends->begin;
+    int status;
+    ends->begin = ends->end;
+    ends->end = spare;
+    set_begin(&ends->begin, &step->answer);
+    if (can_follow(ends, run->settings.mode, step)) {
+        status =
+            follow_crossings(&ends->follow, run, number, &ends->begin, &ends->end, error);
+    } else {
+        status = ends->ask(ends->context, &ends->end, error);
+        step->ms[REPORT_step] += ends->end.ms;
+    }
+    step->is_complete =
+        step->is_complete && ends->begin.is_complete && ends->end.is_complete;
+    step->ends = (struct report_ends){
+        .is_known = true,
+        .crossings = ends->end.count,
+        .standing = ends->end.count - crossings_beyond(&ends->end, &ends->first, &none),
+        .fresh = crossings_beyond(&ends->end, &ends->first, &ends->begin),
+        .gone = crossings_beyond(&ends->begin, &ends->end, &none)};
+    return status;
+}
+
+void judge_ends_deinit(struct judge_ends *ends)
+{
+    crossings_deinit(&ends->first);
+    crossings_deinit(&ends->begin);
+    crossings_deinit(&ends->end);
+    follow_deinit(&ends->follow);
 }

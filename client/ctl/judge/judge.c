@@ -15,7 +15,7 @@
 
 /* ---- a contact --------------------------------------------------------------------- */
 
-void judged_contact_set(struct judged_contact *contact, const struct report_first *first,
+static void contact_set(struct judged_contact *contact, const struct report_first *first,
                         char *const *names)
 {
     *contact = (struct judged_contact){.at = *first};
@@ -112,26 +112,47 @@ static bool contact_read(const json_t *object, struct judged_contact *contact)
 
 /* ---- a step ------------------------------------------------------------------------ */
 
+void judged_set(struct judged *judged, char *const *names)
+{
+    const struct pccd_answer *answer = &judged->report.answer;
+    /* What begins crossed answers yes by that alone. */
+    judged->meets = answer->total > 0 || answer->verdict == PCCD_VERDICT_POSSIBLE ||
+                    (answer->verdict == PCCD_VERDICT_YES &&
+                     answer->crossings + answer->start_inside == 0);
+    contact_set(&judged->first, &judged->report.first, names);
+}
+
+void judged_set_first(struct judged *judged, const char *frame,
+                      const struct crossings *first)
+{
+    *judged = (struct judged){.report = {.to = frame,
+                                         .is_complete = first->is_complete,
+                                         .ends = {.is_known = true,
+                                                  .crossings = first->count,
+                                                  .standing = first->count}}};
+}
+
 bool judged_fails(const struct judged *judged)
 {
-    return judged->meets || judged->fresh > 0 || judged->report.answer.start_inside > 0;
+    return judged->meets || judged->report.ends.fresh > 0 ||
+           judged->report.answer.start_inside > 0;
 }
 
 void judged_print(FILE *to, const struct judged *judged)
 {
-    if (judged->number == 0 && judged->crossings > 0) {
+    const struct report_ends *ends = &judged->report.ends;
+    if (judged->number == 0 && ends->crossings > 0) {
         fprintf(to,
                 "standing   %" PRIu64 " %s in the first frame: from here on, what is new "
                 "and what is gone\n",
-                judged->crossings,
-                proto_plural(judged->crossings, "crossing", "crossings"));
+                ends->crossings, proto_plural(ends->crossings, "crossing", "crossings"));
     }
-    if (judged->fresh + judged->gone > 0) {
+    if (ends->fresh + ends->gone > 0) {
         fprintf(to,
                 "           ends crossed %" PRIu64 " %s: %" PRIu64 " new, %" PRIu64
                 " of the first frame's; %" PRIu64 " gone\n",
-                judged->crossings, proto_plural(judged->crossings, "time", "times"),
-                judged->fresh, judged->standing, judged->gone);
+                ends->crossings, proto_plural(ends->crossings, "time", "times"),
+                ends->fresh, ends->standing, ends->gone);
     }
 }
 
@@ -154,10 +175,6 @@ static const struct column numbers[] = {
     COUNT(sliding),
     COUNT(leaving),
     {"begins_crossed", .type = COLUMN_NUMBER, OF(report.answer.crossings)},
-    {"ends_crossed", .type = COLUMN_NUMBER, OF(crossings)},
-    {"standing", .type = COLUMN_NUMBER, OF(standing)},
-    {"new", .type = COLUMN_NUMBER, OF(fresh)},
-    {"gone", .type = COLUMN_NUMBER, OF(gone)},
     {0}};
 
 json_t *judged_line(const struct judged *judged)
@@ -168,11 +185,12 @@ json_t *judged_line(const struct judged *judged)
     json_t *object = json_object();
     if (judged->number == 0) {
         json_set(object, "frame", json_text(tool_base_name(judged->report.to)), &ok);
-        json_set_count(object, "crossings", judged->crossings, &ok);
+        json_set_count(object, "crossings", judged->report.ends.crossings, &ok);
         json_set(object, "complete", json_boolean(judged->report.is_complete), &ok);
     } else {
         json_set(object, "to", json_text(tool_base_name(judged->report.to)), &ok);
-        ok = ok && columns_add(object, numbers, judged);
+        ok = ok && columns_add(object, numbers, judged) &&
+             columns_add(object, report_ends_columns, &judged->report);
         json_set(object, "fails", json_boolean(judged_fails(judged)), &ok);
         report_kinds(object, answer->counts, &ok);
         json_set(object, "first", contact_json(&judged->first, &ok), &ok);
@@ -189,12 +207,13 @@ json_t *judged_line(const struct judged *judged)
 bool judged_read(const json_t *line, struct judged *judged)
 {
     struct pccd_answer *answer = &judged->report.answer;
+    struct report_ends *ends = &judged->report.ends;
     memset(judged, 0, sizeof *judged);
-    judged->knows_end = true;
+    ends->is_known = true;
     if (json_object_get(line, "frame") != NULL) {
-        judged->crossings =
+        ends->crossings =
             (uint64_t)json_integer_value(json_object_get(line, "crossings"));
-        judged->standing = judged->crossings;
+        ends->standing = ends->crossings;
         judged->report.is_complete = json_is_true(json_object_get(line, "complete"));
         return json_is_integer(json_object_get(line, "crossings"));
     }
@@ -203,6 +222,7 @@ bool judged_read(const json_t *line, struct judged *judged)
             (uint64_t)json_integer_value(json_object_get(line, common_kinds[kind].name));
     }
     bool is_read = columns_read(line, numbers, judged) && judged->number > 0 &&
+                   columns_read(line, report_ends_columns, &judged->report) &&
                    contact_read(json_object_get(line, "first"), &judged->first);
     answer->toi_first = judged->first.at.is_known ? judged->first.at.toi : 2;
     return is_read;
@@ -216,9 +236,9 @@ void judge_take(struct judge *judge, const struct judged *judged)
     judge->incomplete += !report->is_complete;
     if (judged->number == 0) {
         judge->knows_standing = true;
-        judge->crossings = judged->crossings;
-        judge->standing = judged->crossings;
-        judge->begins_crossed = judged->crossings > 0;
+        judge->crossings = report->ends.crossings;
+        judge->standing = report->ends.crossings;
+        judge->begins_crossed = report->ends.crossings > 0;
         return;
     }
     judge->steps++;
@@ -231,10 +251,10 @@ void judge_take(struct judge *judge, const struct judged *judged)
             judge->meets = judged->first;
         }
     }
-    if (judged->knows_end) {
-        judge->standing = judged->standing;
-        judge->fresh += judged->fresh;
-        if (judge->fresh_at == 0 && judged->fresh > 0) {
+    if (report->ends.is_known) {
+        judge->standing = report->ends.standing;
+        judge->fresh += report->ends.fresh;
+        if (judge->fresh_at == 0 && report->ends.fresh > 0) {
             judge->fresh_at = judged->number;
         }
     }

@@ -40,6 +40,10 @@ struct crossings {
 int crossings_ask(struct crossings *crossings, const struct check_run *run,
                   const struct pccd_motion *motions, uint32_t motion_count,
                   struct ctl_error *error);
+/* Return that question as it is asked with the settings of steps. */
+struct pccd_near_settings crossings_question(const struct pccd_step_settings *step);
+/* Append the records of a page of the answer. False: no memory. */
+bool crossings_take(struct crossings *crossings, const struct pccd_answer *page);
 /* Copy crossings to `to`, whose own are freed; without memory it stays. Errors:
  * E_NOMEM. */
 int crossings_copy(struct crossings *to, const struct crossings *from,
@@ -76,6 +80,25 @@ int follow_crossings(struct follow *follow, const struct check_run *run, uint32_
                      struct ctl_error *error);
 void follow_deinit(struct follow *follow);
 
+/* ---- Crossings where a step begins and ends. */
+
+/* {0} but for what is the caller's; judge_ends_deinit's to give back. */
+struct judge_ends {
+    bool leaves_out; /* the caller's: what touches and does not enter is no contact */
+    struct follow follow; /* the caller's to begin; scene NULL: every end is asked for */
+    /* The caller's: set `to` to what crosses where the objects are. */
+    int (*ask)(void *context, struct crossings *to, struct ctl_error *error);
+    void *context;
+    struct crossings first, begin, end; /* of the first frame, and of the last step */
+};
+
+/* Find what crosses where a step ends; it begins where the one before ended, and `end`
+ * says what crosses there. Sets how the step begins, and step->ends. Errors: those of
+ * `ask` and follow_crossings. */
+int judge_ends_look(struct judge_ends *ends, const struct check_run *run, uint32_t number,
+                    struct report_step *step, struct ctl_error *error);
+void judge_ends_deinit(struct judge_ends *ends);
+
 /* ---- A step, and what is said of it. */
 
 #define JUDGE_NAME_BYTES 256 /* of an object; more is cut */
@@ -91,16 +114,14 @@ struct judged {
     struct report_step report; /* of the first frame: no answer; crossings says it all */
     bool meets;                /* something does, besides what crosses when it begins */
     struct judged_contact first;
-    bool knows_end;     /* these are known: */
-    uint64_t crossings; /* at its end */
-    uint64_t standing;  /* of these, as in the first frame */
-    uint64_t fresh;     /* new: neither there nor at its beginning */
-    uint64_t gone;      /* at its beginning, and not any more */
 };
 
-/* Take the earliest contact of a report, with the names that its parts have. */
-void judged_contact_set(struct judged_contact *contact, const struct report_first *first,
-                        char *const *names);
+/* Set whether something meets, and the earliest contact with the names that its parts
+ * have, from the report of a step. */
+void judged_set(struct judged *judged, char *const *names);
+/* Be the first frame, of this name, and what crosses there. */
+void judged_set_first(struct judged *judged, const char *frame,
+                      const struct crossings *first);
 /* Return whether a step fails by itself: something meets, or crosses that did not. */
 bool judged_fails(const struct judged *judged);
 /* Print what is new and what is gone, where there is something. */

@@ -1,6 +1,7 @@
 /* check.c - pccd-mpi check. */
 #include <inttypes.h>
 #include <malloc.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -9,7 +10,9 @@
 #include "check_run.h"
 #include "clock.h"
 #include "ctl.h"
+#include "first.h"
 #include "items.h"
+#include "judge.h"
 #include "output.h"
 #include "part.h"
 #include "pccd_mpi.h"
@@ -78,6 +81,10 @@ struct check {
     struct ctl_mesh frames[2]; /* before and after the step, by turns: this rank's part */
     struct report_step *steps; /* [part.files.count - 1] */
     uint32_t number;           /* of the step, from 1 */
+    struct pccd_contact first; /* this rank's earliest one of it; toi above 1: none */
+    bool is_judged;            /* the ends of steps are looked at, too */
+    struct judge_ends ends;
+    struct judge judge;
     FILE *report;
 };
 
@@ -162,7 +169,7 @@ static int begin(struct check *check, struct ctl_error *error)
  * until the next step. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
-    const struct check *check = context;
+    struct check *check = context;
     const struct ctl_mesh *after = &check->frames[check->number % 2];
     const struct ctl_mesh *before = &check->frames[(check->number + 1) % 2];
     const struct pccd_motion motion = {.object = check->object,
@@ -171,6 +178,10 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
                                        .x0 = is_again ? before->x : NULL,
                                        .x1 = after->x};
     int status = pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
+    check->first.toi = INFINITY;
+    if (status == PCCD_OK) {
+        check_run_find_first(answer, &check->first);
+    }
     answer->contacts = NULL;
     answer->pairs = NULL;
     answer->count = 0;
@@ -209,9 +220,127 @@ static int show(struct check *check, struct report_step *step, struct ctl_error 
     return together_agree(status, error);
 }
 
-static int make_step(struct check *check, struct report_step *step,
-                     struct ctl_error *error)
+/* ---- the ends of steps ------------------------------------------------------------- */
+
+struct crossing_ask {
+    struct check *check;
+    struct crossings *to;
+};
+
+static int take_crossings(void *context, const void *records, uint64_t count)
 {
+    const struct pccd_answer page = {.near = records, .count = count};
+    return crossings_take(context, &page) ? 0 : -1;
+}
+
+static int cross_once(void *context, bool is_again, struct pccd_answer *answer)
+{
+    const struct crossing_ask *ask = context;
+    const struct pccd_near_settings settings =
+        crossings_question(&ask->check->run.settings);
+    (void)is_again;
+    int status = pccd_mpi_near(ask->check->world, NULL, 0, &settings, answer);
+    if (status == PCCD_OK) {
+        status = pccd_mpi_gather(ask->check->world, 0, take_crossings, ask->to);
+    }
+    answer->near = NULL;
+    answer->count = 0;
+    return status;
+}
+
+/* Have what crosses, which the root has, on every rank: all go on by it. */
+static int share_crossings(struct crossings *to, struct ctl_error *error)
+{
+    uint64_t count = to->count;
+    together_tell(&count, sizeof count);
+    if (!together_is_root()) {
+        struct crossing *of = realloc(to->of, (count + 1) * sizeof *of);
+        to->of = of != NULL ? of : to->of;
+        to->room = of != NULL ? count : to->room;
+        to->count = of != NULL ? count : 0;
+    }
+    int status =
+        together_agree(to->count == count ? PCCD_OK
+                                          : ctl_error_set(error, PCCD_E_NOMEM,
+                                                          "no memory for what crosses"),
+                       error);
+    if (status == PCCD_OK && count > 0) {
+        together_tell(to->of, count * sizeof *to->of);
+    }
+    return status;
+}
+
+/* Ask what crosses where the step has ended. */
+static int ask_crossings(void *context, struct crossings *to, struct ctl_error *error)
+{
+    struct check *check = context;
+    struct check_run once = check->run;
+    struct report_step step = {.repeats = 0};
+    struct crossing_ask asking = {check, to};
+    const struct check_ask ask = {
+        .once = cross_once, .failed = "what crosses was not told", .context = &asking};
+    once.repeats = 0;
+    to->count = 0;
+    int status = check_run_repeat(&once, &ask, 1, &step, error);
+    if (status != PCCD_OK) {
+        return pccd_mpi_error_text(check->world)[0] != '\0' ? fail(check, status, error)
+                                                            : status;
+    }
+    crossings_sort(to);
+    to->is_complete = step.is_complete;
+    to->ms = step.ms[REPORT_step];
+    return share_crossings(to, error);
+}
+
+/* Return whether lines are told of each step, by this rank. */
+static bool is_told(const struct check *check)
+{
+    return check->part.files.count > 2 && !check->options->check.ask.is_json &&
+           together_is_root();
+}
+
+static void take_first(struct check *check)
+{
+    struct judged judged;
+    judged_set_first(&judged, check->part.files.names[0], &check->ends.first);
+    judge_take(&check->judge, &judged);
+    if (is_told(check)) {
+        judged_print(check->report, &judged);
+    }
+}
+
+/* Find what crosses in the first frame. */
+static int look_at_first(struct check *check, struct ctl_error *error)
+{
+    int status = ask_crossings(check, &check->ends.first, error);
+    if (status == PCCD_OK) {
+        status = together_agree(
+            crossings_copy(&check->ends.end, &check->ends.first, error), error);
+    }
+    if (status == PCCD_OK) {
+        take_first(check);
+    }
+    return status;
+}
+
+/* Take what is known of a step, and say so. */
+static void take(struct check *check, const struct judged *judged)
+{
+    judge_take(&check->judge, judged);
+    if (is_told(check)) {
+        report_print_line(check->report, &check->run.told, judged->number,
+                          &judged->report);
+        report_print_pairs(check->report, &check->run.told, &judged->report);
+        judged_print(check->report, judged);
+        (void)fflush(check->report);
+    }
+}
+
+/* ---- all steps --------------------------------------------------------------------- */
+
+static int make_step(struct check *check, struct judged *judged, struct ctl_error *error)
+{
+    struct report_step *step = &judged->report;
     const struct check_ask ask = {
         .once = move_once, .failed = "the step failed", .context = check};
     int status = check_run_repeat(&check->run, &ask, check->number, step, error);
@@ -219,18 +348,26 @@ static int make_step(struct check *check, struct report_step *step,
         return pccd_mpi_error_text(check->world)[0] != '\0' ? fail(check, status, error)
                                                             : status;
     }
-    return show(check, step, error);
+    status = show(check, step, error);
+    if (status == PCCD_OK) {
+        status = first_find(
+            check->world, &check->first, &check->frames[(check->number + 1) % 2],
+            &check->frames[check->number % 2], check->run.objects, &step->first, error);
+    }
+    judged_set(judged, check->run.told.names);
+    return status == PCCD_OK && check->is_judged
+               ? judge_ends_look(&check->ends, &check->run, check->number, step, error)
+               : status;
 }
 
 static int walk(struct check *check, struct ctl_error *error)
 {
     const uint32_t step_count = check->part.files.count - 1;
-    const bool is_told = step_count > 1 && !check->options->check.ask.is_json;
-    int status = PCCD_OK;
+    int status = check->is_judged ? look_at_first(check, error) : PCCD_OK;
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
-        struct report_step *step = &check->steps[i - 1];
-        step->from = check->part.files.names[i - 1];
-        step->to = check->part.files.names[i];
+        struct judged judged = {.number = i};
+        judged.report.from = check->part.files.names[i - 1];
+        judged.report.to = check->part.files.names[i];
         check->number = i;
         if (i > 1) {
             status = read_frame(check, i, error);
@@ -239,11 +376,11 @@ static int walk(struct check *check, struct ctl_error *error)
             part_drop_rows(&check->part);
         }
         if (status == PCCD_OK) {
-            status = make_step(check, step, error);
+            status = make_step(check, &judged, error);
         }
-        if (status == PCCD_OK && is_told && together_is_root()) {
-            report_print_line(check->report, &check->run.told, i, step);
-            report_print_pairs(check->report, &check->run.told, step);
+        check->steps[i - 1] = judged.report;
+        if (status == PCCD_OK) {
+            take(check, &judged);
         }
     }
     if (status != PCCD_OK && check->number > 1) {
@@ -298,16 +435,19 @@ static int check_together(struct check *check, struct ctl_error *error)
 /* All steps, each by one rank. */
 static int check_dealt(struct check *check, struct ctl_error *error)
 {
-    const struct ask_options *ask = &check->options->check.ask;
     int status = check_apart(&check->options->check, &check->part, &check->run,
-                             check->options->results, check->steps, error);
+                             check->options->results, &check->ends, check->steps, error);
     if (status != PCCD_OK || !together_is_root()) {
         return status;
     }
     print_mesh(check);
-    const uint32_t step_count = check->part.files.count - 1;
-    for (uint32_t i = 1; i <= step_count && step_count > 1 && !ask->is_json; i++) {
-        report_print_line(check->report, &check->run.told, i, &check->steps[i - 1]);
+    if (check->is_judged) {
+        take_first(check);
+    }
+    for (uint32_t i = 1; i < check->part.files.count; i++) {
+        struct judged judged = {.number = i, .report = check->steps[i - 1]};
+        judged_set(&judged, NULL);
+        take(check, &judged);
     }
     return PCCD_OK;
 }
@@ -352,6 +492,15 @@ static int check_all(struct check *check, struct ctl_error *error)
     }
     const struct check_options *options = &check->options->check;
     check->run.settings = check_step_settings(options);
+    check->judge.leaves_out = options->settings.touching == PCCD_TOUCHING_LEFT_OUT;
+    check->judge.is_thick =
+        options->settings.separation > 0 || options->ask.object.radius > 0;
+    check->ends.leaves_out = check->judge.leaves_out;
+    check->ends.ask = ask_crossings;
+    check->ends.context = check;
+    check->is_judged = check->part.files.count > 2 || check->judge.leaves_out;
+    check->run.settings.tells_start =
+        !check->is_judged || check->run.settings.approach > 0;
     check->told = (struct report_object){.path = options->ask.files.list[0],
                                          .files = &check->part.files,
                                          .welded = check->part.files.welded};
@@ -366,13 +515,16 @@ static int report_all(struct check *check, struct ctl_error *error)
 {
     const bool is_json = check->options->check.ask.is_json;
     uint32_t step_count = check->part.files.count - 1;
-    if (is_json &&
-        !report_json(check->report, &check->run.told, check->steps, step_count)) {
+    if (is_json && !report_json(check->report, &check->run.told, check->steps, step_count,
+                                step_count > 1 ? judge_line(&check->judge) : NULL)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
     }
     if (!is_json && step_count == 1) {
         report_print_step(check->report, &check->run.told, &check->steps[0]);
+    }
+    if (!is_json) {
+        judge_print(check->report, &check->judge, "verdict");
     }
     return PCCD_OK;
 }
@@ -418,7 +570,7 @@ static int run_check(const struct mpi_options *options)
         output_close(&check.csv.whole, check.csv.path, status == PCCD_OK, &error);
     status = status == PCCD_OK ? closed : status;
     if (status == PCCD_OK && together_is_root()) {
-        status = check_run_judge(check.steps, step_count, &is_free, &error);
+        status = judge_end(&check.judge, &is_free, &error);
     }
     together_complain(&error);
     status = (int)ctl_exit_of(status, is_free);
@@ -433,6 +585,7 @@ static int run_check(const struct mpi_options *options)
     }
     free(check.steps);
     objects_deinit(&check.objects);
+    judge_ends_deinit(&check.ends);
     part_close(&check.part);
     return status;
 }

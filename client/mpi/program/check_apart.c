@@ -22,6 +22,8 @@ struct apart {
     struct scene scene; /* of one object, with its frames at the ends of a step */
     struct scene_object object;
     uint64_t end;               /* frame at the end of the last step; 0: there is none */
+    struct judge_ends *ends; /* the caller's; NULL: the ends of steps are not looked at */
+    uint64_t crossed;        /* frame that ends->end is of; DEAL_NONE: of none */
     uint64_t bytes, changed_ns; /* of all files, on the root */
 };
 
@@ -53,6 +55,50 @@ static int read_ends(struct apart *apart, uint64_t item, struct ctl_error *error
     return status;
 }
 
+/* Ask what crosses where the step has ended. */
+static int ask_crossings(void *context, struct crossings *to, struct ctl_error *error)
+{
+    const struct apart *apart = context;
+    return crossings_ask(to, &apart->run, NULL, 0, error);
+}
+
+static void note_page(void *context, const struct pccd_answer *page)
+{
+    const struct apart *apart = context;
+    if (apart->ends != NULL && apart->run.settings.mode == PCCD_MODE_ALL) {
+        follow_note(&apart->ends->follow, page);
+    }
+}
+
+/* Find what crosses in the first frame, where the objects are. */
+static int look_at_first(struct apart *apart, struct ctl_error *error)
+{
+    struct judge_ends *ends = apart->ends;
+    int status = follow_begin(&ends->follow, &apart->scene, error);
+    if (status == PCCD_OK) {
+        status = ask_crossings(apart, &ends->first, error);
+    }
+    ends->ask = ask_crossings;
+    ends->context = apart;
+    return status == PCCD_OK ? crossings_copy(&ends->end, &ends->first, error) : status;
+}
+
+/* Find what crosses where a step begins, unless that is known. */
+static int look_at_begin(struct apart *apart, uint64_t item, struct ctl_error *error)
+{
+    struct pccd_motion motion;
+    if (apart->ends == NULL) {
+        return PCCD_OK;
+    }
+    apart->ends->follow.count = 0;
+    apart->ends->follow.is_whole = true;
+    return apart->crossed == item
+               ? PCCD_OK
+               : crossings_ask(
+                     &apart->ends->end, &apart->run, &motion,
+                     scene_motions(&apart->scene, (uint32_t)item, false, &motion), error);
+}
+
 static int compute(void *context, struct deal *deal, struct ctl_error *error)
 {
     struct apart *apart = context;
@@ -61,9 +107,16 @@ static int compute(void *context, struct deal *deal, struct ctl_error *error)
         struct report_step step;
         memset(&step, 0, sizeof step); /* all of it goes to the root */
         int status = read_ends(apart, item, error);
+        status = status == PCCD_OK ? look_at_begin(apart, item, error) : status;
+        apart->crossed = DEAL_NONE;
         if (status == PCCD_OK) {
             status = check_run_step(&apart->run, &apart->scene, (uint32_t)item + 1,
                                     &no_csv, &step, error);
+        }
+        if (status == PCCD_OK && apart->ends != NULL) {
+            status = judge_ends_look(apart->ends, &apart->run, (uint32_t)item + 1, &step,
+                                     error);
+            apart->crossed = item + 1;
         }
         if (status != PCCD_OK) {
             return status;
@@ -152,17 +205,23 @@ static int open_all(struct apart *apart, struct ctl_error *error)
     apart->object.files = apart->part->files;
     apart->object.settings = options->ask.object;
     apart->scene = (struct scene){.objects = &apart->object, .object_count = 1};
-    return status == PCCD_OK ? check_run_begin(run, &apart->scene, false, error) : status;
+    status =
+        status == PCCD_OK ? check_run_begin(run, &apart->scene, false, error) : status;
+    return status == PCCD_OK && apart->ends != NULL ? look_at_first(apart, error)
+                                                    : status;
 }
 
 int check_apart(const struct check_options *options, struct part *part,
-                struct check_run *run, const char *results, struct report_step *steps,
-                struct ctl_error *error)
+                struct check_run *run, const char *results, struct judge_ends *ends,
+                struct report_step *steps, struct ctl_error *error)
 {
-    struct apart apart = {
-        .options = options,
-        .part = part,
-        .run = {.settings = run->settings, .repeats = run->repeats, .is_apart = true}};
+    struct apart apart = {.options = options,
+                          .part = part,
+                          .ends = part->files.count > 2 || ends->leaves_out ? ends : NULL,
+                          .run = {.settings = run->settings,
+                                  .repeats = run->repeats,
+                                  .is_apart = true,
+                                  .note = note_page}};
     const struct items_work work = {.name = "check",
                                     .count = part->files.count - 1,
                                     .result_bytes = sizeof(struct report_step),
@@ -173,6 +232,7 @@ int check_apart(const struct check_options *options, struct part *part,
                                     .depends = depends,
                                     .describe = describe};
     struct items items = {.work = NULL};
+    apart.run.owner = &apart;
     uint32_t threads = 1;
     int status = pccd_mpi_threads(MPI_COMM_WORLD, &threads);
     if (apart.run.settings.threads == 0) {
@@ -196,8 +256,10 @@ int check_apart(const struct check_options *options, struct part *part,
     run->told.objects->info = apart.object.info;
     run->told.build_ms = apart.scene.build_ms;
     items_deinit(&items);
+    follow_deinit(&ends->follow); /* its scene ends here */
     check_run_deinit(&apart.run);
     pccd_close(apart.run.client);
+    free(apart.object.edges);
     for (uint32_t i = 0; i < SCENE_FRAMES; i++) {
         ctl_mesh_deinit(&apart.object.at[i]);
     }
