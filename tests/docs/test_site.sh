@@ -31,7 +31,7 @@ for recipe in index cloth game edge robot jam bake replay share; do
         continue
     fi
     mkdir "$work/$recipe"
-    run_recipe "$recipe" "$work/$recipe" >"$work/$recipe/log"
+    run_recipe "$recipe" "$work/$recipe" >"$work/$recipe/log" && [ -n "$(pictures "$recipe")" ]
     tap_result $? "$name" "$work/$recipe/log"
 done
 # says RECIPE LINE: it printed a line like this.

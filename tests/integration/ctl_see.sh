@@ -160,6 +160,9 @@ ctl render --size 640x480 -o one.png --up z --at 'contact 1' sink0.obj sink1.obj
     grep -Eq '<text [^>]*>(vertex|edge) [0-9-]+ of sink0 meets (face|edge) [0-9-]+ of (sink0|fall0) at \([-0-9., e]+\)</text>' \
         first.svg && ! ctl render -o no.png --at first fall0.obj fall0.obj &&
     grep -q 'step 1 has no contact, and so no first one' err && [ ! -e no.png ] &&
+    ctl render --size 320x240 -o small.svg --at first --with fall0.obj sink0.obj sink1.obj &&
+    [ "$(grep -o '<text [^>]*>[^<]*' small.svg | sed 's/.*>//' | tr '\n' ' ' | grep -c ' meets .* at (.*) time')" -eq 1 ] &&
+    ! grep -E '<text [^>]*>[^<]{50}' small.svg >>"$log" &&
     python3 - >>"$log" 2>&1 <<'END'
 from seen import below, contrast, marks, wall
 flat = sorted(max(p) for row in below('dark.png') for p in row)

@@ -228,7 +228,7 @@ static void name_step(const struct render *render, const struct snapshot *snapsh
 {
     char when[48] = "";
     if (is_close(render, snapshot)) {
-        snprintf(when, sizeof when, " at t = %.6g", snapshot->t);
+        snprintf(when, sizeof when, " at t = %.4g", snapshot->t);
     }
     if (render->is_near) {
         snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", snapshot->step,
@@ -261,8 +261,8 @@ static void name_pair(const struct snapshot *snapshot, char *text, size_t room)
         }
         if (snapshot->object_count > 1 && object->name != NULL) {
             snprintf(owner, sizeof owner, " of %s", tool_shown(object->name));
-        } else if (snapshot->object_count > 1) {
-            snprintf(owner, sizeof owner, " of object %#" PRIx32, object->handle);
+        } else if (snapshot->object_count > 1) { /* as the page of inspect calls it */
+            snprintf(owner, sizeof owner, " of object %td", object - snapshot->objects);
         }
         used += (size_t)snprintf(text + used, room - used, "%s%s %" PRIu32 "%s%s",
                                  side == 0 ? "" : " meets ", common_feature_names[points],
@@ -274,7 +274,7 @@ static void name_pair(const struct snapshot *snapshot, char *text, size_t room)
             at[k] = (double)contact->at[k] + snapshot->origin[k];
             at[k] = fabs(at[k]) > FLT_EPSILON * snapshot->extent ? at[k] : 0;
         }
-        snprintf(text + used, room - used, " at (%.6g, %.6g, %.6g)", at[0], at[1], at[2]);
+        snprintf(text + used, room - used, " at (%.4g, %.4g, %.4g)", at[0], at[1], at[2]);
     }
 }
 

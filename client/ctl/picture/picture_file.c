@@ -24,6 +24,7 @@
 #define LINE_HIGH   30u /* from one to the next */
 #define LEFT        28u /* of the border */
 #define LINE_BYTES  256u
+#define LINES_MAX   8u /* of the legend; what is longer is cut */
 
 static const float ink[3] = {0.13f, 0.16f, 0.21f};
 
@@ -80,38 +81,47 @@ static void show_marks(const struct picture *picture, const struct sink *sink)
     }
 }
 
-/* Return how many letters of a line have room. */
-static uint32_t letters_of(const struct sink *sink, const char *text)
+/* Take the next line of a text: as many of its words as have room. False: none is left. */
+static bool take_line(const struct sink *sink, const char **text, char line[LINE_BYTES])
 {
-    uint32_t most =
-        (sink->canvas->raster.width - 2 * LEFT * sink->unit) / (LETTER_WIDE * sink->unit);
-    uint32_t letters = (uint32_t)strlen(text);
-    return letters < most ? letters : most;
+    const uint32_t wide = sink->canvas->raster.width - 2 * LEFT * sink->unit;
+    size_t most = wide / (LETTER_WIDE * sink->unit);
+    size_t letters = *text != NULL ? strlen(*text) : 0;
+    if (letters == 0) {
+        return false;
+    }
+    most = most < LINE_BYTES ? most : LINE_BYTES - 1;
+    if (letters > most) {
+        letters = most;
+        while (letters > 0 && ((*text)[letters] != ' ' || (*text)[letters - 1] == ',')) {
+            letters--; /* coordinates stay together */
+        }
+        letters = letters > 0 ? letters : most; /* a word that is longer is cut */
+    }
+    snprintf(line, LINE_BYTES, "%.*s", (int)letters, *text);
+    *text += letters + ((*text)[letters] == ' ');
+    return true;
 }
 
 static void show_legend(const struct picture *picture, const struct sink *sink)
 {
     const uint32_t unit = sink->unit, left = LEFT * unit, bar = 200 * unit;
-    uint32_t y = 26 * unit, wide = picture->scale != NULL ? bar : 0;
-    const char *lines[] = {picture->title, picture->subtitle,
+    uint32_t y = 26 * unit, wide = picture->scale != NULL ? bar : 0, count = 0;
+    const char *texts[] = {picture->title, picture->subtitle,
                            picture->scale != NULL ? picture->scale->title : NULL};
-    uint32_t high = picture->scale != NULL ? 34 * unit : 0;
+    char lines[LINES_MAX][LINE_BYTES];
     for (uint32_t i = 0; i < 3; i++) {
-        uint32_t letters = lines[i] != NULL ? letters_of(sink, lines[i]) : 0;
-        uint32_t own = letters * LETTER_WIDE * unit;
-        wide = own > wide ? own : wide;
-        high += lines[i] != NULL ? LINE_HIGH * unit : 0;
+        while (count < LINES_MAX && take_line(sink, &texts[i], lines[count])) {
+            uint32_t own = (uint32_t)strlen(lines[count++]) * LETTER_WIDE * unit;
+            wide = own > wide ? own : wide;
+        }
     }
+    uint32_t high = (picture->scale != NULL ? 34 * unit : 0) + count * LINE_HIGH * unit;
     sink->plate(sink, left - 12 * unit, y - 12 * unit, wide + 24 * unit,
                 high + 10 * unit);
-    for (uint32_t i = 0; i < 3; i++) {
-        if (lines[i] != NULL) {
-            char line[LINE_BYTES];
-            snprintf(line, sizeof line, "%.*s", (int)letters_of(sink, lines[i]),
-                     lines[i]);
-            sink->text(sink, left, y, false, line);
-            y += LINE_HIGH * unit;
-        }
+    for (uint32_t i = 0; i < count; i++) {
+        sink->text(sink, left, y, false, lines[i]);
+        y += LINE_HIGH * unit;
     }
     if (picture->scale != NULL) {
         sink->bar(sink, left, y -= 8 * unit, bar, 12 * unit);
