@@ -192,23 +192,99 @@ static uint32_t width_of(const char *text)
     return width;
 }
 
-void columns_text(uint32_t indent, const char *text)
+/* Return how many columns the terminal has; UINT32_MAX: it is none. */
+static uint32_t room_of(FILE *to)
 {
-    uint32_t room, rows, used = indent;
-    terminal_size(STDOUT_FILENO, &room, &rows);
-    while (*text != '\0') {
-        size_t length = strcspn(text, " ");
-        char word[CELL_BYTES];
-        snprintf(word, sizeof word, "%.*s", (int)length, text);
-        uint32_t width = width_of(word);
-        if (used > indent && used + 1 + width > room) {
-            printf("\n%*s", (int)indent, "");
-            used = indent;
-        }
-        used += width + (used > indent ? (uint32_t)printf(" ") : 0);
-        printf("%.*s", (int)length, text);
-        text += length + strspn(text + length, " ");
+    uint32_t columns = UINT32_MAX, rows;
+    if (isatty(fileno(to)) == 1) {
+        terminal_size(fileno(to), &columns, &rows);
     }
+    return columns;
+}
+
+void columns_text(FILE *to, uint32_t indent, const char *text)
+{
+    uint32_t room = room_of(to), used = indent;
+    for (size_t blanks = 0; *text != '\0';) {
+        size_t length = strcspn(text, " ");
+        uint32_t width = 0;
+        for (size_t i = 0; i < length; i++) {
+            width += ((unsigned char)text[i] & 0xc0) != 0x80;
+        }
+        if (used > indent && used + blanks + width > room) {
+            fprintf(to, "\n%*s", (int)indent, "");
+            used = indent;
+            blanks = 0;
+        }
+        fprintf(to, "%*s%.*s", (int)blanks, "", (int)length, text);
+        used += (uint32_t)blanks + width;
+        text += length;
+        blanks = strspn(text, " ");
+        text += blanks;
+    }
+}
+
+/* ---- Lines that fit. */
+
+#define LINE_BYTES  2048u
+#define INDENT_MAX  24u
+#define INDENT_LESS 11u /* below a longer head */
+
+struct fitted {
+    FILE *to;
+    char line[LINE_BYTES]; /* what has come of the last one */
+    size_t length;
+};
+
+/* A line, without its end; below goes on what stands behind the first two blanks. */
+static void print_fitted(struct fitted *fitted)
+{
+    char *line = fitted->line;
+    size_t head = strspn(line, " ");
+    line[fitted->length] = '\0';
+    if (width_of(line) > room_of(fitted->to)) {
+        char *gap = strstr(line + head, "  ");
+        head = gap != NULL ? (size_t)(gap - line) : head;
+        head += strspn(line + head, " ");
+        head = head <= INDENT_MAX ? head : 0;
+        fprintf(fitted->to, "%.*s", (int)head, line);
+        columns_text(fitted->to, head > 0 ? (uint32_t)head : INDENT_LESS, line + head);
+    } else {
+        fputs(line, fitted->to);
+    }
+    fitted->length = 0;
+}
+
+static ssize_t write_fitted(void *cookie, const char *bytes, size_t count)
+{
+    struct fitted *fitted = cookie;
+    for (size_t i = 0; i < count; i++) {
+        if (bytes[i] != '\n' && fitted->length + 1 < LINE_BYTES) {
+            fitted->line[fitted->length++] = bytes[i];
+            continue;
+        }
+        print_fitted(fitted);
+        putc(bytes[i], fitted->to);
+    }
+    return ferror(fitted->to) != 0 ? 0 : (ssize_t)count;
+}
+
+FILE *columns_fitted(FILE *to)
+{
+    static struct fitted fitted;
+    static FILE *stream;
+    const cookie_io_functions_t functions = {.write = write_fitted};
+    if (isatty(fileno(to)) != 1) {
+        return to;
+    }
+    if (stream == NULL) {
+        fitted.to = to;
+        stream = fopencookie(&fitted, "w", functions);
+        if (stream != NULL) {
+            (void)setvbuf(stream, NULL, _IOLBF, 0);
+        }
+    }
+    return stream != NULL ? stream : to;
 }
 
 void columns_fit(struct column *columns, const void *rows, size_t row_bytes,

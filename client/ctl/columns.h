@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* ---- Formats counts, bytes and times for people: "1.5 MiB". */
 
@@ -21,10 +22,13 @@ const char *format_ms(double milliseconds);
 /* Return the name of a user, or the number; it lives as long. */
 const char *format_user(uint32_t uid);
 
-/* Print text on the standard output that begins behind `indent` columns of a line: what
- * the terminal has no room for goes on below, as far to the right. No end of line
+/* Print text that begins behind `indent` columns of a line. What a terminal has no room
+ * for goes on below, as far to the right; elsewhere it is one line. No end of line
  * follows. */
-void columns_text(uint32_t indent, const char *text);
+void columns_text(FILE *to, uint32_t indent, const char *text);
+/* Return a stream whose lines go there as that function prints them, each when it is
+ * whole; of a terminal, else `to` itself. One of a program, and never to be closed. */
+FILE *columns_fitted(FILE *to);
 
 /* ---- Columns: members of a struct, as a table for people and as JSON for programs. */
 

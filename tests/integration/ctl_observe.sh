@@ -163,12 +163,13 @@ if command -v script >/dev/null; then
     [ "$what" = meshes ] && on_terminal 80 "$PCCDCTL" list scenes && says '^SESSION +SCENE .*STEPS +CONTACTS'
     report list__fits_the_terminal
     # If it failed, text beside a number would go on under the numbers of the next line.
-    for what in status stats 'stats --threads' config; do
+    for what in 'check --repeat 0 a.obj b.obj' 'near --distance 9 a.obj b.obj' status stats 'stats --threads' config; do
         on_terminal 120 "$PCCDCTL" "$what" && fits 120 >>"$log" || break
         on_terminal 80 "$PCCDCTL" "$what" && [ -s out ] && fits 80 >>"$log" || break
+        [ "${what%% *}" != check ] || says '^verdict +meets first ' '^ {11}.*in 1 of 1 step$' || break
     done
-    [ "$what" = config ] && says '^step-max-ms +0 +milliseconds .*whose deadline$' '^ {30}has come; 0: as long as it takes$' &&
-        ctl stats --threads && says '^thread .* *[a-z_]+( *\(ms\))?$' && ! grep -E '^.{81}' out
+    [ "$what" = config ] && says '^step-max-ms +0 +milliseconds .* it is$' '^ {30}answered as one whose deadline has come; 0: as$' &&
+        ctl config && says '^step-max-ms .* whose deadline has come; 0: as long as it takes$'
     report texts__fit_the_terminal
     # If it failed, q would not end it, as it does other programs of that kind.
     printf q | TERM=xterm timeout -k 5 20 script -qec "$PCCDCTL top --interval 60" /dev/null >/dev/null

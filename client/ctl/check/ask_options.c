@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "columns.h"
 #include "ctl.h"
 
 #define REPEATS_MAX      1000000u
@@ -149,7 +150,8 @@ const struct option_table ask_table = {
 
 FILE *ask_report_to(const struct ask_options *options)
 {
-    return options->csv != NULL && strcmp(options->csv, "-") == 0 ? stderr : stdout;
+    FILE *to = options->csv != NULL && strcmp(options->csv, "-") == 0 ? stderr : stdout;
+    return options->is_json ? to : columns_fitted(to);
 }
 
 int ask_end(int status, bool is_right, const struct ctl_error *error, int closed,

@@ -275,7 +275,7 @@ void report_print_place(FILE *to, const char *head, const char *verb,
         }
     }
     if (first->is_known) {
-        fprintf(to, " at (%.6g, %.6g, %.6g)", first->x, first->y, first->z);
+        fprintf(to, " at (%.4g, %.4g, %.4g)", first->x, first->y, first->z);
     }
 }
 
@@ -284,7 +284,7 @@ static void print_first(FILE *to, const struct report_scene *scene,
 {
     const struct pccd_answer *answer = &step->answer;
     if (answer->toi_first < NO_TOI) {
-        fprintf(to, "first at   t = %.9g", answer->toi_first);
+        fprintf(to, "first at   t = %.4g", answer->toi_first);
         report_print_place(to, ": ", " meets ", scene, &step->first);
         fputc('\n', to);
     } else if (answer->crossings > 0) {
@@ -296,6 +296,13 @@ static void print_first(FILE *to, const struct report_scene *scene,
     } else {
         fputs("first at   never\n", to);
     }
+}
+
+/* To four digits: whoever takes so much of a step meets nothing. */
+static double round_down(double x)
+{
+    double scale = x > 0 ? pow(10, 3 - floor(log10(x))) : 1;
+    return isfinite(scale) ? floor(x * scale) / scale : 0;
 }
 
 static void print_records(FILE *to, const struct report_scene *scene,
@@ -326,8 +333,7 @@ static void print_records(FILE *to, const struct report_scene *scene,
                 answer->inside);
     }
     print_first(to, scene, step);
-    /* Rounded down: whoever takes so much meets nothing. */
-    fprintf(to, "safe step  %.9g\n", floor(answer->safe_step * 1e9) * 1e-9);
+    fprintf(to, "safe step  %.4g\n", round_down(answer->safe_step));
     if (answer->coincident > answer->total / 2) {
         fputs(
             "warning    most contacts touch in vertices at the start. Is a surface split "
@@ -483,7 +489,7 @@ void report_print_line(FILE *to, const struct report_scene *scene, uint32_t numb
     print_kinds_briefly(to, answer->counts);
     fprintf(to, ", %" PRIu64 " possible)", answer->possible);
     if (answer->toi_first < NO_TOI) {
-        fprintf(to, ", first at %.9g", answer->toi_first);
+        fprintf(to, ", first at %.4g", answer->toi_first);
         report_print_place(to, ": ", " meets ", scene, &step->first);
     }
     if (answer->crossings > 0) {

@@ -79,7 +79,7 @@ static void print_setting(void *context, const struct pccd_setting *setting)
            tool_shown_column(setting->name, NAME_COLUMNS),
            tool_shown_column(setting->value, VALUE_COLUMNS),
            setting->changed ? terminal_end() : "");
-    columns_text(NAME_COLUMNS + VALUE_COLUMNS + 2, tool_shown(setting->text));
+    columns_text(stdout, NAME_COLUMNS + VALUE_COLUMNS + 2, tool_shown(setting->text));
     putchar('\n');
 }
 

@@ -168,8 +168,10 @@ static void print_row(FILE *to, const struct table *table, enum kind kind,
 static void print_kind(FILE *to, const struct table *table, enum kind kind)
 {
     const struct counters *first = &table->rows[0];
-    uint32_t room, rows, begin = 0;
-    terminal_size(STDOUT_FILENO, &room, &rows);
+    uint32_t room = UINT32_MAX, rows, begin = 0;
+    if (terminal_is_live()) {
+        terminal_size(STDOUT_FILENO, &room, &rows);
+    }
     while (begin < first->count) {
         uint32_t end = begin, used = (uint32_t)strlen("thread   (ms)");
         bool is_empty = true;
@@ -313,7 +315,7 @@ static void print_list(const struct counters *counters, const char *cpu)
     }
     for (uint32_t i = 0; i < count + 2; i++) {
         printf("%-*s  %*s  ", name_width, lines[i].name, value_width, lines[i].value);
-        columns_text((uint32_t)(name_width + value_width) + 4, lines[i].text);
+        columns_text(stdout, (uint32_t)(name_width + value_width) + 4, lines[i].text);
         putchar('\n');
     }
 }

@@ -91,7 +91,7 @@ static void line(const char *head, const char *format, ...)
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     printf("%-*s", HEAD_COLUMNS, head);
-    columns_text(HEAD_COLUMNS, text);
+    columns_text(stdout, HEAD_COLUMNS, text);
     putchar('\n');
 }
 
@@ -142,7 +142,7 @@ static void print_health(const struct health *health)
     for (uint32_t i = 0; i < health->count; i++) {
         printf("%-*s%s", HEAD_COLUMNS, i == 0 ? "health" : "",
                terminal_begin(TERMINAL_YELLOW));
-        columns_text(HEAD_COLUMNS, tool_shown(health->text[i]));
+        columns_text(stdout, HEAD_COLUMNS, tool_shown(health->text[i]));
         printf("%s\n", terminal_end());
     }
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "check_screw.h"
+#include "columns.h"
 #include "ctl.h"
 #include "link.h"
 #include "output.h"
@@ -14,10 +15,10 @@
 #include "sweep.h"
 #include "sweep_draw.h"
 
-#define LENGTH_MAX  1e18
-#define SIDES_MAX   4096u
-#define MOTIONS_MAX 1000000000u
-#define THREADS_MAX 1024u
+#define LENGTH_MAX   1e18
+#define SIDES_MAX    4096u
+#define MOTIONS_MAX  1000000000u
+#define THREADS_MAX  1024u
 #define LEAST_UNSAID (-1.0)
 
 struct command {
@@ -449,7 +450,7 @@ static int try_range(struct run *run, const struct sweep_range *range)
         sweep_scene_take(&run->shown, range, &answer);
     }
     if (status == PCCD_OK && run->ranges == NULL) {
-        sweep_report_range(stdout, &run->sweep, range, values, &answer);
+        sweep_report_range(columns_fitted(stdout), &run->sweep, range, values, &answer);
     } else if (status == PCCD_OK &&
                json_array_append_new(
                    run->ranges, sweep_report_json(&run->sweep, range, values, &answer)) !=
@@ -481,7 +482,7 @@ static void take_edge(void *context, uint64_t line, const struct sweep_hit *hit)
     enum sweep_verdict verdict = sweep_hit_verdict(hit);
     note_verdict(run, verdict);
     if (run->ranges == NULL) {
-        sweep_report_edge(stdout, &run->robot, line, hit);
+        sweep_report_edge(columns_fitted(stdout), &run->robot, line, hit);
     } else if (json_array_append_new(
                    run->ranges, sweep_report_edge_json(&run->robot, line, hit)) != 0) {
         run->lacks_memory = true;
@@ -495,8 +496,8 @@ static int sweep_all(struct run *run)
         return status;
     }
     if (run->ranges == NULL) {
-        sweep_report_begin(stdout, &run->sweep);
-        sweep_report_still(stdout, &run->robot);
+        sweep_report_begin(columns_fitted(stdout), &run->sweep);
+        sweep_report_still(columns_fitted(stdout), &run->robot);
     }
     if (run->command->edges != NULL) {
         return sweep_edges(&run->sweep, run->command->edges, take_edge, run);
@@ -527,9 +528,9 @@ static bool print_end(struct run *run)
     bool ok = !run->lacks_memory;
     if (run->ranges == NULL) {
         if (run->sweep.is_open) {
-            printf(
-                "note       not all shapes are closed meshes: what begins wholly within "
-                "another part is not seen\n");
+            fputs("note       not all shapes are closed meshes: what begins wholly "
+                  "within another part is not seen\n",
+                  columns_fitted(stdout));
         }
         printf("answer     %s\n", sweep_verdict_name(run->verdict));
         return true;

@@ -100,10 +100,10 @@ static void print_found(FILE *to, const struct near_run *near)
         print_place(to, near, "where", &near->touching.first);
     }
     if (what == PCCD_NEAR_DEPTH) {
-        fprintf(to, "depth      %.9g\n", answer->distance_max);
+        fprintf(to, "depth      %.4g\n", answer->distance_max);
         print_place(to, near, "deepest", &near->step.first);
     } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
-        fprintf(to, "distance   %.9g to %.9g\n", answer->distance_min,
+        fprintf(to, "distance   %.4g to %.4g\n", answer->distance_min,
                 answer->distance_max);
         print_place(to, near, "nearest", &near->step.first);
     }

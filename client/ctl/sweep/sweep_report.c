@@ -30,7 +30,7 @@ static void print_values(FILE *to, const struct robot *robot, uint32_t joint,
         fprintf(to, " to %.12g", ends[1]);
     }
     if (turns(robot, joint)) {
-        fprintf(to, is_one ? " rad (%.9g deg)" : " rad (%.9g to %.9g deg)",
+        fprintf(to, is_one ? " rad (%.4g deg)" : " rad (%.4g to %.4g deg)",
                 ends[0] * DEGREES, ends[1] * DEGREES);
     }
 }
