@@ -111,10 +111,12 @@ int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
         return CTL_DONE;
     }
     const char *text = pccd_error_text(NULL), *told = getenv("PCCD_URL");
+    const char *missing = strstr(text, ": No such file"); /* which sounds broken */
     if (status == PCCD_E_NODAEMON && asked.no_autostart && link->url == NULL &&
         (told == NULL || told[0] == '\0')) {
-        (void)ctl_complain("no daemon runs; a program that needs one starts it: %s; "
+        (void)ctl_complain("no daemon runs; a program that needs one starts it: %.*s; "
                            "pccdctl doctor tells more",
+                           (int)(missing != NULL ? missing - text : (long)strlen(text)),
                            text);
         return CTL_NO_DAEMON;
     }

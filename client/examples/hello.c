@@ -42,10 +42,10 @@ int main(void)
     check(pccd_scene_add(client, scene, mesh, &object));
     check(pccd_step_x1(client, scene, object, x1, PCCD_FORMAT_F32, 3, NULL, &answer));
     for (uint64_t i = 0; i < answer.count; i++) {
-        printf("%s %u meets %u at t = %.6f\n",
-               answer.contacts[i].kind == PCCD_VF ? "vertex" : "edge",
-               answer.contacts[i].feature_a, answer.contacts[i].feature_b,
-               answer.contacts[i].toi);
+        bool is_face = answer.contacts[i].kind == PCCD_VF;
+        printf("%s %u meets %s %u at t = %.3f\n", is_face ? "vertex" : "edge",
+               answer.contacts[i].feature_a, is_face ? "face" : "edge",
+               answer.contacts[i].feature_b, answer.contacts[i].toi);
     }
     /* Its three vertices pass through the floor half-way. */
     int wrong = answer.count != 3 || answer.counts[PCCD_VF] != 3 ||

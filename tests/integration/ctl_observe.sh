@@ -302,7 +302,17 @@ tests:
         values: 0+100x20
       - series: pccd_uptime_seconds
         values: 1000+60x5 10+60x14
+      - series: pccd_log_lines_lost_total
+        values: 0x5 3x14
     alert_rule_test:
+      - {eval_time: 4m, alertname: PccdLogIsLost}
+      - eval_time: 8m
+        alertname: PccdLogIsLost
+        exp_alerts:
+          - exp_labels: {severity: warning}
+            exp_annotations:
+              summary: Lines of the log of pccdd could not be written
+              description: The disk of the log is full, or nobody reads the pipe that it goes to.
       - {eval_time: 5m, alertname: PccdRequestsWait}
       - eval_time: 9m
         alertname: PccdRequestsWait
