@@ -262,7 +262,7 @@ static void print_step_enums(void)
     VALUE(PCCD_NEAR_VERTICES, "for each vertex its bound: least distance of its pairs");
     VALUE(PCCD_NEAR_NEAREST, "for each two objects the nearest pair, VF, EE or EF");
     VALUE(PCCD_NEAR_CROSSINGS, "each edge that passes through a face");
-    VALUE(PCCD_NEAR_DEPTH, "how deep the vertices of closed meshes are in others");
+    VALUE(PCCD_NEAR_DEPTH, "how deep vertices are in closed meshes of others");
 }
 
 /* Print the enums of the answer to a step, and of its records. */

@@ -87,10 +87,11 @@ int pccd_rays_begin(struct pccd_client *client, uint32_t scene,
 /* Cast all of them, straight from begin to end: [count][3], of capsules [count][2][3], of
  * ways that end where they begin what they meet there. hits[count]. `settings` may be
  * NULL; mode, approach, hold and joints are not for a cast (E_INVAL). Where several
- * things are met at one t, the hit is the first record of them. Errors: those of pccd_mesh_put,
- * pccd_scene_add, pccd_object_set, pccd_step and pccd_fetch; E_NOTFINITE: a coordinate is
- * not, or beyond 1e18; E_LIMIT: the answer was cut short by its deadline, or has more
- * records than the daemon keeps. On failure hits are written in part. */
+ * things are met at one t, the hit is the first record of them.
+ * Errors: those of pccd_mesh_put, pccd_scene_add, pccd_object_set, pccd_step and
+ * pccd_fetch; E_NOTFINITE: a coordinate is not, or beyond 1e18; E_LIMIT: the answer was
+ * cut short by its deadline, or has more records than the daemon keeps. On failure hits
+ * are written in part. */
 int pccd_rays_cast(struct pccd_client *client, struct pccd_rays *rays,
                    const double *begin, const double *end,
                    const struct pccd_step_settings *settings, struct pccd_ray_hit *hits);

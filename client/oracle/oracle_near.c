@@ -16,11 +16,9 @@ void oracle_moment_thicken(struct oracle_moment *moment, enum pccd_near_what wha
                        what == PCCD_NEAR_FEATURES || what == PCCD_NEAR_NEAREST;
 }
 
-/* The points of a candidate. One of fewer than four is of VF, with a face that is a
- * segment or a point: its last point is repeated, and comes after itself. */
-static void load_pair(const struct oracle_moment *moment,
-                      const struct oracle_candidate *candidate, double p[5][3],
-                      uint8_t rank[5])
+void oracle_candidate_fill(const struct oracle_moment *moment,
+                           const struct oracle_candidate *candidate, double p[5][3],
+                           uint8_t rank[5])
 {
     uint32_t count = candidate->a->points + candidate->b->points;
     oracle_candidate_load(moment, candidate, p, rank);
@@ -34,8 +32,7 @@ static void load_pair(const struct oracle_moment *moment,
     }
 }
 
-/* Put what was found of VF in the terms of the kind: a weight is where on the edge. */
-static void place(uint32_t kind, struct oracle_distance *found)
+void oracle_distance_place(uint32_t kind, struct oracle_distance *found)
 {
     if (kind == PCCD_VE || kind == PCCD_VV) {
         found->param[1] = kind == PCCD_VE ? found->param[0] + found->param[1] : 0;
@@ -54,13 +51,13 @@ static void decide_pairs(const struct oracle_moment *moment, uint32_t of_kind,
         uint8_t rank[5];
         struct oracle_distance found;
         struct oracle_near near = {.points = 0};
-        load_pair(moment, candidate, p, rank);
+        oracle_candidate_fill(moment, candidate, p, rank);
         oracle_candidate_name(moment, of_kind, candidate, &near);
         pairs->queries++;
         if (oracle_is_within(kind == ORACLE_EE ? 2 : 1, (const double(*)[3])p,
                              near.radius, distance)) {
             oracle_distance_find(kind, (const double(*)[3])p, rank, &found);
-            place(of_kind, &found);
+            oracle_distance_place(of_kind, &found);
             oracle_near_write(&found, &near);
             *oracle_nears_add(pairs) = near;
         }

@@ -137,6 +137,15 @@ void oracle_candidates_find(const struct oracle_moment *moment,
                             struct oracle_candidates *candidates);
 void oracle_candidates_deinit(struct oracle_candidates *candidates);
 
+/* Load the points of a candidate, as oracle_candidate_load. One of fewer than four is of
+ * VF, with a face that is a segment or a point: its last point is repeated, and comes
+ * after itself. */
+void oracle_candidate_fill(const struct oracle_moment *moment,
+                           const struct oracle_candidate *candidate, double p[5][3],
+                           uint8_t rank[5]);
+/* Put what was found of VF in the terms of a kind: a weight is where on the edge. */
+void oracle_distance_place(uint32_t kind, struct oracle_distance *found);
+
 /* Write the points of a candidate, and the order of (object, vertex); of one that is
  * there twice, the first comes first. */
 void oracle_candidate_load(const struct oracle_moment *moment,

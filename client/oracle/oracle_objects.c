@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kinds.h"
 #include "oracle_thick.h"
 
 /* More than rounding takes off a difference, a square or a sum of three, or than squares
@@ -19,6 +20,7 @@ struct two {
     struct oracle_object objects[2];
     struct oracle_moment moment;         /* of these two alone */
     struct oracle_features of_points[3]; /* [points - 1] */
+    struct oracle_features free[2];      /* [points - 1] those that are free */
 };
 
 static bool are_different(const void *context, uint32_t a, uint32_t b)
@@ -41,6 +43,10 @@ static void two_init(struct two *two, const struct oracle_moment *moment, uint32
     for (uint32_t i = 0; i < 3; i++) {
         oracle_features_list(two->objects, 2, i + 1, &two->of_points[i]);
     }
+    for (uint32_t i = 0; i < 2; i++) {
+        oracle_features_list(two->objects, 2, i + 1, &two->free[i]);
+        oracle_features_keep_free(&two->free[i]);
+    }
 }
 
 static void two_deinit(struct two *two)
@@ -48,6 +54,8 @@ static void two_deinit(struct two *two)
     for (uint32_t i = 0; i < 3; i++) {
         oracle_features_deinit(&two->of_points[i]);
     }
+    oracle_features_deinit(&two->free[0]);
+    oracle_features_deinit(&two->free[1]);
 }
 
 static bool is_asked(const struct oracle_moment *moment, const uint32_t asked[2],
@@ -63,24 +71,37 @@ static bool is_asked(const struct oracle_moment *moment, const uint32_t asked[2]
     return !moment->may_meet || moment->may_meet(moment->context, id_a, id_b);
 }
 
-/* The least distance of a vertex of `vertices` and one of the second object, or more; the
- * features that they belong to are not farther apart, nor are their surfaces. */
-static double reach_of(const struct two *two, const struct oracle_feature *vertices,
-                       size_t count)
+static double square_of(const double x[3], const double y[3])
 {
-    const struct oracle_features *others = &two->of_points[0];
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        sum += (x[k] - y[k]) * (x[k] - y[k]);
+    }
+    return sum;
+}
+
+/* The least distance of vertices of the two, or more; the features that they belong to
+ * are not farther apart, nor are their surfaces. */
+static double reach_of(const struct two *two)
+{
+    const struct oracle_features *all = &two->of_points[0];
     double least = INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        for (size_t j = 0; j < others->count; j++) {
-            double sum = 0;
-            for (int k = 0; k < 3; k++) {
-                double w = vertices[i].lo[k] - others->items[j].lo[k];
-                sum += w * w;
-            }
-            if (vertices[i].object != others->items[j].object && sum < least) {
-                least = sum;
+    for (size_t i = 0; i < all->count; i++) {
+        for (size_t j = 0; j < i; j++) {
+            if (all->items[i].object != all->items[j].object) {
+                least = fmin(least, square_of(all->items[i].lo, all->items[j].lo));
             }
         }
+    }
+    return sqrt(least) * A_LITTLE + A_LITTLE_MORE;
+}
+
+/* The same of a point and the vertices of an object's faces. */
+static double reach_to(const double x[3], const struct oracle_object *object)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < 3 * object->triangle_count; i++) {
+        least = fmin(least, square_of(x, object->x1[object->triangles[i / 3][i % 3]]));
     }
     return sqrt(least) * A_LITTLE + A_LITTLE_MORE;
 }
@@ -100,8 +121,9 @@ static bool load(const struct two *two, uint32_t kind,
                  const struct oracle_candidate *candidate, struct best *best)
 {
     *best =
-        (struct best){.is_made = true, .kind = kind == PCCD_VF ? ORACLE_VF : ORACLE_EE};
-    oracle_candidate_load(&two->moment, candidate, best->p, best->rank);
+        (struct best){.is_made = true,
+                      .kind = kind == PCCD_EE || kind == PCCD_EF ? ORACLE_EE : ORACLE_VF};
+    oracle_candidate_fill(&two->moment, candidate, best->p, best->rank);
     oracle_candidate_name(&two->moment, kind, candidate, &best->near);
     if (kind != PCCD_EF) {
         return true;
@@ -137,13 +159,14 @@ static int look(const struct two *two, uint32_t kind,
 }
 
 /* Find the best of vertices and faces, and, unless they are not all vertices of the two,
- * of edges and of edges that pass through faces. false: that is too much. */
+ * of all other kinds. false: that is too much. */
 static bool look_at_all(struct two *two, const struct oracle_features *vertices,
                         double reach, uint64_t queries_max, struct oracle_nears *nears,
                         struct best *best)
 {
-    static const uint32_t kinds[3] = {PCCD_VF, PCCD_EE, PCCD_EF};
-    struct oracle_candidates candidates[3] = {{NULL, 0, 0}};
+    static const uint32_t kinds[] = {PCCD_VF, PCCD_EE, PCCD_EF, PCCD_VE, PCCD_VV};
+    enum { KINDS = sizeof kinds / sizeof kinds[0] };
+    struct oracle_candidates candidates[KINDS] = {{NULL, 0, 0}};
     memset(best, 0, sizeof *best);
     oracle_candidates_find(&two->moment, vertices, &two->of_points[2], reach,
                            &candidates[0]);
@@ -152,12 +175,16 @@ static bool look_at_all(struct two *two, const struct oracle_features *vertices,
                                reach, &candidates[1]);
         oracle_candidates_find(&two->moment, &two->of_points[1], &two->of_points[2], 0,
                                &candidates[2]);
+        oracle_candidates_find(&two->moment, &two->free[0], &two->free[1], reach,
+                               &candidates[3]);
+        oracle_candidates_find(&two->moment, &two->free[0], &two->free[0], reach,
+                               &candidates[4]);
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < KINDS; k++) {
         nears->queries += candidates[k].count;
     }
     bool is_little = nears->queries <= queries_max;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < KINDS; k++) {
         for (size_t i = 0; is_little && i < candidates[k].count; i++) {
             nears->ties += look(two, kinds[k], &candidates[k].items[i], best) == 0;
         }
@@ -171,6 +198,7 @@ static void write_best(const struct two *two, struct best *best)
     if (best->near.record.kind != PCCD_EF) {
         struct oracle_distance found;
         oracle_distance_find(best->kind, (const double(*)[3])best->p, best->rank, &found);
+        oracle_distance_place(best->near.record.kind, &found);
         oracle_near_write(&found, &best->near);
     }
     for (int i = 0; i < 2; i++) {
@@ -190,7 +218,7 @@ static bool add_nearest(struct two *two, double distance, uint64_t queries_max,
                         struct oracle_nears *nears)
 {
     const struct oracle_features *vertices = &two->of_points[0];
-    double reach = fmin(distance, reach_of(two, vertices->items, vertices->count));
+    double reach = fmin(distance, reach_of(two));
     struct best best;
     if (!look_at_all(two, vertices, reach, queries_max, nears, &best)) {
         return false;
@@ -263,7 +291,7 @@ static bool add_depth(struct two *two, struct oracle_feature *vertex,
         winding == 0) {
         return true;
     }
-    if (!look_at_all(two, &one, reach_of(two, vertex, 1), queries_max, nears, &best)) {
+    if (!look_at_all(two, &one, reach_to(vertex->lo, other), queries_max, nears, &best)) {
         return false;
     }
     add_best(two, &best, nears);
@@ -331,14 +359,17 @@ bool oracle_objects_measure(const struct oracle_moment *moment,
     uint32_t b = place_of(moment, named->object_b);
     struct two two;
     if (a == moment->object_count || b == moment->object_count || a == b ||
-        (named->kind != PCCD_VF && named->kind != PCCD_EE && named->kind != PCCD_EF) ||
-        (named->kind == PCCD_EE && named->object_a > named->object_b)) {
+        named->kind >= COMMON_KIND_COUNT ||
+        (common_kinds[named->kind].points[0] == common_kinds[named->kind].points[1] &&
+         named->object_a > named->object_b)) {
         return false;
     }
     two_init(&two, moment, a, b);
     const struct oracle_candidate candidate = {
-        feature_of(&two.of_points[named->kind == PCCD_VF ? 0 : 1], 0, named->feature_a),
-        feature_of(&two.of_points[named->kind == PCCD_EE ? 1 : 2], 1, named->feature_b),
+        feature_of(&two.of_points[common_kinds[named->kind].points[0] - 1], 0,
+                   named->feature_a),
+        feature_of(&two.of_points[common_kinds[named->kind].points[1] - 1], 1,
+                   named->feature_b),
         !moment->is_thick};
     struct best best = {.is_made = false};
     if (candidate.a && candidate.b) {

@@ -88,7 +88,7 @@ libengine_la_SOURCES = \
     daemon/engine/paper/trees.c \
     daemon/engine/wide/wide.c \
     daemon/engine/wide/wide_crowded.c \
-    daemon/engine/wide/wide_faces.c \
+    daemon/engine/wide/wide_leaves.c \
     daemon/engine/wide/wide_join.c \
     daemon/engine/wide/wide_leads.c \
     daemon/engine/wide/wide_sort.c \

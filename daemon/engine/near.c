@@ -379,7 +379,6 @@ static int reserve_objects(struct eng_team *team, const struct eng_question *que
                                           team->count, &open);
     if (status == PCCD_E_INVAL && open.object != 0) {
         result->open_object = open.object;
-        result->has_free = open.has_free;
         memcpy(result->open_edge, open.edge.vertex, sizeof result->open_edge);
         memcpy(result->open_runs, open.edge.runs, sizeof result->open_runs);
     }

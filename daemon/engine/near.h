@@ -20,10 +20,9 @@ struct eng_vertex_bound {
 };
 
 /* Answer a question about what is near. PCCD_OK with *result, also when incomplete;
- * PCCD_E_INVAL: settings out of range, or (result->open_object != 0) DEPTH of a mesh that
- * is not closed, NEAREST and DEPTH of one that has more than triangles; PCCD_E_HANDLE: no
- * object of that id; PCCD_E_LIMIT: distance and radii add up to more than 1e18;
- * PCCD_E_NOMEM.
+ * PCCD_E_INVAL: settings out of range, or (result->open_object != 0) DEPTH of a mesh
+ * whose triangles are not closed; PCCD_E_HANDLE: no object of that id; PCCD_E_LIMIT:
+ * distance and radii add up to more than 1e18; PCCD_E_NOMEM.
  *
  * PAIRS, FEATURES, VERTICES and NEAREST look at what is within the distance and the radii
  * of both features, their exact sum (scene.h). Pairs that are left thin for their rest

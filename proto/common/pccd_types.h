@@ -171,7 +171,7 @@ enum pccd_near_what {
     PCCD_NEAR_NEAREST = 3,   /* for each two objects the nearest pair; EF, at distance 0,
                                 if they cross */
     PCCD_NEAR_CROSSINGS = 4, /* each edge that passes through a face */
-    PCCD_NEAR_DEPTH = 5,     /* how deep the vertices of closed meshes are in others */
+    PCCD_NEAR_DEPTH = 5,     /* how deep vertices are in closed meshes of others */
     PCCD_NEAR_COUNT = 6
 };
 

@@ -2,20 +2,20 @@
  * other, and all other pairs of theirs that are near, against exact arithmetic that looks
  * at everything.
  *
- * Small objects at random, with coordinates of all bits, on a coarse grid (where almost
- * everything is equally near, touches, or is met by a ray at an edge), far away or tiny,
- * some with radii or left thin for their rest, not all of which may meet; moved, asked
- * again for either end, by both methods, every instruction set and several threads. Every
- * record must be the one that the oracle finds, with its numbers; with a gap, one of the
- * same two objects. Two objects have a nearest pair exactly if there is any pair of
- * theirs.
+ * Small objects at random, some with free edges and points, with coordinates of all bits,
+ * on a coarse grid (where almost everything is equally near, touches, or is met by a ray
+ * at an edge), far away or tiny, some with radii or left thin for their rest, not all of
+ * which may meet; moved, asked again for either end, by both methods, every instruction
+ * set and several threads. Every record must be the one that the oracle finds, with its
+ * numbers; with a gap, one of the same two objects. Two objects have a nearest pair
+ * exactly if there is any pair of theirs.
  */
 #include "eng_kit.h"
 #include "eng_way.h"
 #include "near_judge.h"
 #include "sequences.h"
 
-#define SCENES      250
+#define SCENES      200
 #define ASKED       6u
 #define QUERIES_MAX 1000u /* exact decisions for one answer about all pairs */
 #define THREADS_MAX 3u
@@ -25,6 +25,8 @@
 static struct near_sums judged;
 static uint64_t scenes;
 static uint64_t outside; /* vertices in no other object */
+static uint64_t of_free; /* nearest pairs of free edges and points .. */
+static uint64_t of_rods; /* .. and records of depth of objects that have such */
 static uint64_t named;   /* two objects that were named and may not meet */
 
 struct shape {
@@ -32,6 +34,9 @@ struct shape {
     uint32_t points;
     uint32_t face_count;
     uint32_t faces[20][3];
+    uint32_t edge_count, point_count; /* that are named by themselves */
+    uint32_t edges[4][2];
+    uint32_t named_points[4];
     double registered[POINTS_MAX][3];
     double x[2][POINTS_MAX][3]; /* at both ends */
     double radii[POINTS_MAX];   /* as the mesh has them, or the object */
@@ -124,6 +129,48 @@ static void separate(struct scene *scene)
     }
 }
 
+/* Some shapes have edges and points by themselves, or nothing else. */
+static void add_free(struct scene *scene, struct shape *shape)
+{
+    uint32_t more = draw(scene, 5);
+    shape->points +=
+        more < POINTS_MAX - shape->points ? more : POINTS_MAX - shape->points;
+    shape->edge_count = draw(scene, 5);
+    shape->point_count = draw(scene, 5);
+    for (uint32_t i = 0; i < 4; i++) {
+        shape->edges[i][0] = draw(scene, shape->points);
+        shape->edges[i][1] = draw(scene, shape->points);
+        shape->named_points[i] = draw(scene, shape->points);
+    }
+    if (draw(scene, 3) == 0 && shape->edge_count + shape->point_count > 0) {
+        shape->face_count = 0;
+    }
+}
+
+static struct eng_mesh *mesh_of(const struct shape *shape, bool has_radii)
+{
+    const struct eng_mesh_counts counts = {shape->points, shape->face_count,
+                                           shape->edge_count, shape->point_count};
+    struct eng_mesh *mesh = NULL;
+    uint32_t bad = 0;
+    assert_ok(eng_mesh_make(&counts, &mesh));
+    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts.vertices,
+                                      shape->registered));
+    assert_true(counts.triangles == 0 ||
+                eng_mesh_write_triangles(mesh, 0, counts.triangles, shape->faces, &bad) ==
+                    PCCD_OK);
+    assert_true(counts.edges == 0 || eng_mesh_write_edges(mesh, 0, counts.edges,
+                                                          shape->edges, &bad) == PCCD_OK);
+    assert_true(counts.points == 0 ||
+                eng_mesh_write_points(mesh, 0, counts.points, shape->named_points,
+                                      &bad) == PCCD_OK);
+    if (has_radii) {
+        assert_ok(eng_mesh_write_radii(mesh, 0, counts.vertices, shape->radii));
+    }
+    assert_ok(eng_mesh_commit(mesh));
+    return mesh;
+}
+
 /* Triangles between points at random, or a closed surface: an octahedron with its points
  * anywhere, twice as many faces if it is doubled. */
 static void make(struct scene *scene, struct shape *shape, bool is_closed)
@@ -143,6 +190,9 @@ static void make(struct scene *scene, struct shape *shape, bool is_closed)
                                            : draw(scene, shape->points);
         }
     }
+    if (draw(scene, 2) == 0) {
+        add_free(scene, shape);
+    }
     for (uint32_t v = 0; v < shape->points; v++) {
         for (int k = 0; k < 3; k++) {
             x[v][k] = prng_between(&scene->prng, 0, 1);
@@ -152,9 +202,7 @@ static void make(struct scene *scene, struct shape *shape, bool is_closed)
     for (uint32_t v = 0; has_radii && v < shape->points; v++) {
         shape->radii[v] = some_radius(scene);
     }
-    shape->mesh = kit_mesh_thick((const double(*)[3])x, shape->points,
-                                 (const uint32_t(*)[3])shape->faces, shape->face_count,
-                                 has_radii ? shape->radii : NULL);
+    shape->mesh = mesh_of(shape, has_radii);
     kit_put(shape->mesh);
     if (draw(scene, 3) == 0) {
         set_thickness(scene, shape);
@@ -203,6 +251,10 @@ static const char *judge(const struct scene *scene, const struct eng_question *s
                                    .x0 = x,
                                    .x1 = x,
                                    .triangles = (const uint32_t(*)[3])shape->faces,
+                                   .edges = (const uint32_t(*)[2])shape->edges,
+                                   .edge_count = shape->edge_count,
+                                   .points = shape->named_points,
+                                   .point_count = shape->point_count,
                                    .radii = shape->radii,
                                    .registered = (const double(*)[3])shape->registered,
                                    .rest_distance = shape->thickness.rest_distance,
@@ -289,6 +341,7 @@ static void check_nearest(struct scene *scene)
              scene->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
     struct eng_step_result result = check(scene, settings);
     add_twos(&result, twos);
+    of_free += result.counts[PCCD_VE] + result.counts[PCCD_VV];
     if (isfinite(settings.distance)) {
         check_rule(scene, &settings, twos);
     }
@@ -312,6 +365,10 @@ static void check_depth(struct scene *scene)
         outside += a != b && !scene->is_apart[a][b] ? scene->shapes[a].points : 0;
     }
     outside -= result.count;
+    for (uint64_t i = 0; i < result.count; i++) {
+        const struct shape *of = &scene->shapes[kit_record(&result, i)->object_a - 1];
+        of_rods += of->edge_count + of->point_count > 0;
+    }
 }
 
 static void live(uint64_t seed)
@@ -361,7 +418,8 @@ CASE(objects__are_as_near_and_as_deep_as_the_oracle_says)
     print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
                   "touching, %llu of them edges through faces; %llu with a gap, %llu "
                   "farther; %llu named in vain; %llu inside, %llu not, %llu crossings; "
-                  "%llu pairs, %llu bounds; %llu by their radii\n",
+                  "%llu pairs, %llu bounds; %llu by their radii; %llu of free edges and "
+                  "points, %llu deep\n",
                   (unsigned long long)scenes, (unsigned long long)judged.judged,
                   (unsigned long long)judged.nearest, (unsigned long long)judged.ties,
                   (unsigned long long)judged.touching_objects,
@@ -369,12 +427,13 @@ CASE(objects__are_as_near_and_as_deep_as_the_oracle_says)
                   (unsigned long long)judged.others, (unsigned long long)named,
                   (unsigned long long)judged.inside, (unsigned long long)outside,
                   (unsigned long long)judged.through, (unsigned long long)judged.pairs,
-                  (unsigned long long)judged.bounds, (unsigned long long)judged.thick);
+                  (unsigned long long)judged.bounds, (unsigned long long)judged.thick,
+                  (unsigned long long)of_free, (unsigned long long)of_rods);
     if (!getenv("PCCD_SEED") && scenes >= SCENES) {
         assert_true(judged.nearest > 0 && judged.ties > 0 &&
                     judged.touching_objects > 0 && judged.inside > 0 && outside > 0 &&
                     judged.through > 0 && judged.thick > 0 && judged.crossed > 0 &&
                     judged.gaps > 0 && judged.others > 0 && named > 0 &&
-                    judged.pairs > 0 && judged.bounds > 0);
+                    judged.pairs > 0 && judged.bounds > 0 && of_free > 0 && of_rods > 0);
     }
 }

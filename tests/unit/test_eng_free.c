@@ -639,23 +639,3 @@ CASE(near__has_free_points_and_edges)
     eng_distances_deinit(&near.distances);
     end(&play);
 }
-
-/* If it failed: what is answered for triangles alone would be answered for a cloud as if
- * it were not there. */
-CASE(near__refuses_by_name_what_it_has_no_answer_to)
-{
-    static const enum pccd_near_what whats[2] = {PCCD_NEAR_NEAREST, PCCD_NEAR_DEPTH};
-    static struct play play;
-    begin(&play, prng_seed() + 3);
-    for (uint32_t i = 0; i < 2; i++) {
-        struct eng_question settings = way(0, PCCD_MODE_ALL);
-        settings.verb = whats[i];
-        settings.distance = 1;
-        settings.end = 1;
-        struct eng_step_result result;
-        assert_int_equal(eng_near(play.scenes[0], &settings, &result), PCCD_E_INVAL);
-        assert_int_equal(result.open_object, 1);
-        assert_true(result.has_free);
-    }
-    end(&play);
-}

@@ -90,11 +90,10 @@ struct eng_step_result {
     struct pccd_step_counters counters; /* times.queue is not the engine's: 0 */
     struct eng_thick_counters thick;
     struct pccd_step_times times;
-    /* Status PCCD_E_INVAL of NEAREST and DEPTH: the object whose mesh has free edges or
-     * points (has_free); of DEPTH: whose mesh is not closed, an edge of it, by vertices,
-     * and how often its faces run through it from the first to the second and back. */
+    /* Status PCCD_E_INVAL of DEPTH: the object whose mesh is not closed, an edge of it,
+     * by vertices, and how often its faces run through it from the first to the second
+     * and back. */
     uint32_t open_object;
-    bool has_free;
     uint32_t open_edge[2];
     uint32_t open_runs[2];
 };

@@ -62,6 +62,34 @@ struct eng_near_pair eng_near_ef(const struct eng_scene *scene, uint32_t of_edge
     return pair;
 }
 
+struct eng_near_pair eng_near_ve(const struct eng_scene *scene, uint32_t of_vertex,
+                                 uint32_t v, uint32_t of_edge, const uint32_t edge[2])
+{
+    struct eng_near_pair pair = {.kind = PCCD_VE, .object = {of_vertex, of_edge}};
+    pair.feature[0] = v;
+    pair.feature[1] =
+        edge_of(edge, scene->objects[of_edge].vertices.first, pair.point + 1);
+    pair.point[0] = scene->objects[of_vertex].vertices.first + v;
+    pair.point[3] = pair.point[2];
+    return pair;
+}
+
+struct eng_near_pair eng_near_vv(const struct eng_scene *scene, uint32_t a, uint32_t v,
+                                 uint32_t b, uint32_t w)
+{
+    const struct eng_object *objects = scene->objects;
+    bool in_order = objects[a].id < objects[b].id;
+    struct eng_near_pair pair = {.kind = PCCD_VV,
+                                 .object = {in_order ? a : b, in_order ? b : a},
+                                 .feature = {in_order ? v : w, in_order ? w : v}};
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t side = i == 0 ? 0 : 1;
+        pair.point[i] =
+            objects[pair.object[side]].vertices.first + (uint32_t)pair.feature[side];
+    }
+    return pair;
+}
+
 void eng_near_best_begin(struct eng_near_best *best, double distance, double gap,
                          const double most[2])
 {
@@ -112,7 +140,7 @@ static void load(const struct eng_near_best *best, const struct eng_near_pair *p
     const uint32_t *sides = common_kinds[pair->kind].points;
     const uint32_t *point = pair->point;
     bool passes = pair->kind == PCCD_EF;
-    features->kind = passes ? PCCD_VF : (enum pccd_kind)pair->kind;
+    features->kind = passes ? PCCD_VF : eng_distance_form((enum pccd_kind)pair->kind);
     for (int i = 0; i < 4; i++) {
         memcpy(features->x[i], best->x[point[passes ? 0 : i]], sizeof features->x[i]);
     }
@@ -131,7 +159,7 @@ static void load(const struct eng_near_best *best, const struct eng_near_pair *p
 static void rank_points(const struct eng_near_best *best,
                         const struct eng_near_pair *pair, uint8_t rank[4])
 {
-    uint32_t split = pair->kind == PCCD_VF ? 1 : 2;
+    uint32_t split = common_kinds[pair->kind].points[0];
     bool a_is_first = best->scene->objects[pair->object[0]].id <
                       best->scene->objects[pair->object[1]].id;
     for (uint32_t i = 0; i < 4; i++) {
@@ -326,7 +354,8 @@ static struct eng_distance measure(const struct eng_near_best *best,
     } else {
         load(best, pair, &features);
         rank_points(best, pair, rank);
-        eng_distance_find(best->distances, features.kind, features.x, rank, &distance);
+        eng_distance_find(best->distances, (enum pccd_kind)pair->kind, features.x, rank,
+                          &distance);
     }
     return distance;
 }

@@ -12,14 +12,16 @@
 #include "distance_order.h"
 #include "world.h"
 
-/* A vertex and a face, two edges, or an edge and a face that it may pass through, of two
- * different objects, named as in a record but that an edge is the higher of its vertices
- * << 32 | the lower: edges are numbered in that order. */
+/* A vertex and a face, two edges, an edge and a face that it may pass through, or a free
+ * point and a free edge or point; of two different objects, and named as in a record but
+ * that an edge is the higher of its vertices << 32 | the lower: edges are numbered in
+ * that order. */
 struct eng_near_pair {
-    uint32_t kind;      /* PCCD_VF, PCCD_EE or PCCD_EF */
+    uint32_t kind;
     uint32_t object[2]; /* index, of a and b */
     uint64_t feature[2];
-    uint32_t point[5]; /* index in the scene's positions, in the order of distance.h */
+    uint32_t point[5]; /* index in the scene's positions, in the order of distance.h; of
+                        * fewer than four the last one is repeated */
 };
 
 /* Make the pair of vertex `v` and face `f` of two objects. */
@@ -32,6 +34,13 @@ struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
 /* Make the pair of an edge, given by its vertices, and face `f`. */
 struct eng_near_pair eng_near_ef(const struct eng_scene *scene, uint32_t of_edge,
                                  const uint32_t edge[2], uint32_t of_face, uint32_t f);
+
+/* Make the pair of a point and an edge, given by its vertices. */
+struct eng_near_pair eng_near_ve(const struct eng_scene *scene, uint32_t of_vertex,
+                                 uint32_t v, uint32_t of_edge, const uint32_t edge[2]);
+/* Make the pair of two points. */
+struct eng_near_pair eng_near_vv(const struct eng_scene *scene, uint32_t a, uint32_t v,
+                                 uint32_t b, uint32_t w);
 
 /* Return the number of an edge, which the mesh has, by its vertices in any order. */
 uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2]);

@@ -14,7 +14,7 @@
 #define CAPACITY_LEAST 16u
 #define CAPACITY_MOST  (1u << 22) /* 80 MiB */
 
-#define SHARE_FACES 256u
+#define SHARE_LEAVES 256u
 
 /* The slack of the square of a distance of bounds: more than what its rounding adds. */
 #define BOUNDS_SLACK 0x1p-40
@@ -121,16 +121,26 @@ static bool find_in_cache(const struct eng_nearest_cache *cache,
     bool is_turned = entry->object_a != scene->objects[a].id;
     uint32_t first = is_turned ? b : a;
     uint32_t second = is_turned ? a : b;
-    if (entry->kind == PCCD_VF) {
-        *pair = eng_near_vf(scene, first, entry->feature_a, second, entry->feature_b);
-    } else if (entry->kind == PCCD_EF) {
-        *pair =
-            eng_near_ef(scene, first, scene->objects[first].mesh->edges[entry->feature_a],
-                        second, entry->feature_b);
-    } else {
-        *pair =
-            eng_near_ee(scene, first, scene->objects[first].mesh->edges[entry->feature_a],
-                        second, scene->objects[second].mesh->edges[entry->feature_b]);
+    const uint32_t(*edges_a)[2] = (const uint32_t(*)[2])scene->objects[first].mesh->edges;
+    const uint32_t(*edges_b)[2] =
+        (const uint32_t(*)[2])scene->objects[second].mesh->edges;
+    uint32_t of_a = entry->feature_a;
+    uint32_t of_b = entry->feature_b;
+    switch (entry->kind) {
+    case PCCD_VF:
+        *pair = eng_near_vf(scene, first, of_a, second, of_b);
+        break;
+    case PCCD_EF:
+        *pair = eng_near_ef(scene, first, edges_a[of_a], second, of_b);
+        break;
+    case PCCD_VE:
+        *pair = eng_near_ve(scene, first, of_a, second, edges_b[of_b]);
+        break;
+    case PCCD_VV:
+        *pair = eng_near_vv(scene, first, of_a, second, of_b);
+        break;
+    default:
+        *pair = eng_near_ee(scene, first, edges_a[of_a], second, edges_b[of_b]);
     }
     return true;
 }
@@ -226,44 +236,30 @@ static int list_shares(struct eng_near_objects *objects)
         if (!scene->objects[i].mesh || !is_asked_with_any(objects, i)) {
             continue;
         }
-        uint32_t faces = scene->objects[i].mesh->info.triangle_count;
+        uint32_t leaves = scene->objects[i].mesh->leaf_count;
         if (objects->ask.verb == PCCD_NEAR_NEAREST) {
-            status = add_share(objects, i, 0, faces);
+            status = add_share(objects, i, 0, leaves);
         }
         if (objects->ask.verb == PCCD_NEAR_DEPTH) {
             status = add_share(objects, i, 0, 0);
         }
         for (uint32_t first = 0;
-             objects->ask.verb == PCCD_NEAR_DEPTH && first < faces && status == PCCD_OK;
-             first += SHARE_FACES) {
-            uint32_t left = faces - first;
+             objects->ask.verb == PCCD_NEAR_DEPTH && first < leaves && status == PCCD_OK;
+             first += SHARE_LEAVES) {
+            uint32_t left = leaves - first;
             status =
-                add_share(objects, i, first, left < SHARE_FACES ? left : SHARE_FACES);
+                add_share(objects, i, first, left < SHARE_LEAVES ? left : SHARE_LEAVES);
         }
     }
     return status;
 }
 
-/* Searches go down the triangles of objects: none of those that are asked for may have
- * anything else. */
-static int check_triangles(const struct eng_near_objects *objects,
-                           struct eng_open_mesh_error *open)
+static bool has_faces(const struct eng_object *object)
 {
-    int status = PCCD_OK;
-    for (uint32_t i = 0; i < objects->share_count; i++) {
-        const struct eng_object *object =
-            &objects->scene->objects[objects->shares[i].object];
-        bool has_more = object->mesh->leaf_count > object->mesh->info.triangle_count;
-        if (has_more && (status == PCCD_OK || object->id < open->object)) {
-            status = PCCD_E_INVAL;
-            open->object = object->id;
-            open->has_free = true;
-        }
-    }
-    return status;
+    return object->mesh->info.triangle_count > 0;
 }
 
-/* The meshes of all that are listed, which are asked for. */
+/* The surfaces of all that are listed, which are asked for. */
 static int check_closed(const struct eng_near_objects *objects,
                         struct eng_open_mesh_error *open)
 {
@@ -272,7 +268,8 @@ static int check_closed(const struct eng_near_objects *objects,
         const struct eng_object *object =
             &objects->scene->objects[objects->shares[i].object];
         struct eng_open_edge edge;
-        if (objects->shares[i].count > 0 || eng_mesh_has_foreign(object->mesh)) {
+        if (objects->shares[i].count > 0 || !has_faces(object) ||
+            eng_mesh_has_foreign(object->mesh)) {
             continue; /* once an object; of a part others know */
         }
         int of_mesh = eng_mesh_is_closed(object->mesh, &edge);
@@ -299,13 +296,9 @@ int eng_near_objects_prepare(struct eng_near_objects *objects,
     objects->ask = *ask;
     objects->ask.gap = ask->verb == PCCD_NEAR_NEAREST ? ask->gap : 0;
     open->object = 0;
-    open->has_free = false;
     int status = choose(objects);
     if (status == PCCD_OK) {
         status = list_shares(objects);
-    }
-    if (status == PCCD_OK) {
-        status = check_triangles(objects, open);
     }
     if (status == PCCD_OK && objects->ask.verb == PCCD_NEAR_DEPTH) {
         status = check_closed(objects, open);
@@ -479,7 +472,7 @@ static void perform_crossings(struct eng_near_objects *objects,
     }
 }
 
-/* The vertices that some faces of an object own, and all other objects. */
+/* The vertices that some leaves of an object own, and the surfaces of all others. */
 static void perform_depth(struct eng_near_objects *objects,
                           struct eng_near_search *search, struct eng_worker *worker,
                           uint32_t share)
@@ -490,7 +483,8 @@ static void perform_depth(struct eng_near_objects *objects,
     const double(*x)[3] = search->best.x + object->vertices.first;
     for (uint32_t b = 0; b < scene->object_capacity; b++) {
         uint32_t face = ENG_NO_FACE;
-        if (!scene->objects[b].mesh || !is_asked(objects, part->object, b)) {
+        if (!scene->objects[b].mesh || !has_faces(&scene->objects[b]) ||
+            !is_asked(objects, part->object, b)) {
             continue;
         }
         /* Of a part of a surface, nothing is known of where the rest is. */

@@ -10,15 +10,14 @@
 /* A mesh that is not closed: of the object of that id. */
 struct eng_open_mesh_error {
     uint32_t object;
-    bool has_free; /* it has free edges or points; else `edge` is open */
     struct eng_open_edge edge;
 };
 
-/* An object, or some faces of it, for any thread. */
+/* An object, or some leaves of it, for any thread. */
 struct eng_near_share {
     double low; /* NEAREST: the least x of its bounds */
     uint32_t object;
-    uint32_t first; /* DEPTH: faces, for the vertices that they own; count 0: .. */
+    uint32_t first; /* DEPTH: leaves, for the vertices that they own; count 0: .. */
     uint32_t count; /* .. for crossings with objects behind it */
 };
 

@@ -133,7 +133,7 @@ static float moved(float outward, double shift)
 
 /* The box of a child, of the first object. */
 static void box_of(const struct eng_near_search *search,
-                   const struct eng_faces_below *below, uint32_t child, float box[2][4])
+                   const struct eng_leaves_below *below, uint32_t child, float box[2][4])
 {
     for (int k = 0; k < 3; k++) {
         box[0][k] = below->low[k][child];
@@ -152,10 +152,23 @@ static void look(struct eng_near_search *search, const struct eng_near_pair *pai
     eng_near_best_look(&search->best, pair);
 }
 
-static const struct eng_face *face_of(const struct eng_near_search *search, int side,
-                                      uint32_t face)
+/* The leaf of one side that a node of its tree is. */
+static struct eng_face leaf_of(const struct eng_near_search *search, int side,
+                               uint32_t node)
 {
-    return &search->scene->objects[search->faces[side].object].mesh->leaves[face];
+    const struct eng_leaves *leaves = &search->leaves[side];
+    const struct eng_mesh *mesh = search->scene->objects[leaves->object].mesh;
+    uint32_t index = search->method->leaves_index(leaves, node);
+    if (leaves->tree == PCCD_TREE_FACES) {
+        return mesh->leaves[index];
+    }
+    if (leaves->tree == PCCD_TREE_EDGES) {
+        const uint32_t *ends = mesh->edges[index];
+        return (struct eng_face){{ends[0], ends[1], ends[1]},
+                                 ENG_OWNS_VERTEX(0) | ENG_OWNS_VERTEX(1) |
+                                     ENG_OWNS_EDGE(0)};
+    }
+    return (struct eng_face){{index, index, index}, ENG_OWNS_VERTEX(0)};
 }
 
 /* Return whether the boxes of what waits meet, but for what their rounding adds. */
@@ -164,58 +177,76 @@ static bool may_cross(const struct eng_near_item *item)
     return item->square < SQUARE_TINY;
 }
 
-/* The edges that a face of one side owns, and a face of the other. */
-static void look_at_passages(struct eng_near_search *search, int side, uint32_t edges,
-                             uint32_t face)
+/* The edges that a leaf of one side owns, and a face of the other. */
+static void look_at_passages(struct eng_near_search *search, int side,
+                             const struct eng_face *own, uint32_t face)
 {
-    const struct eng_face *own = face_of(search, side, edges);
     for (uint32_t k = 0; k < 3; k++) {
         if ((own->owns & ENG_OWNS_EDGE(k)) != 0) {
             const uint32_t edge[2] = {own->v[k], own->v[(k + 1) % 3]};
             struct eng_near_pair pair =
-                eng_near_ef(search->scene, search->faces[side].object, edge,
-                            search->faces[1 - side].object, face);
+                eng_near_ef(search->scene, search->leaves[side].object, edge,
+                            search->leaves[1 - side].object, face);
             look(search, &pair);
         }
     }
 }
 
-/* The features that two faces own against each other, as in a step, and what passes
- * through what. */
-static void look_at_faces(struct eng_near_search *search,
-                          const struct eng_near_item *item)
+/* The vertices that a leaf of one side owns, and a face of the other; or a free point of
+ * one side, and what is free of the other. */
+static void look_at_vertices(struct eng_near_search *search, int side,
+                             const struct eng_face *own, const struct eng_face *other,
+                             uint32_t face)
 {
-    uint32_t faces[2];
-    for (int side = 0; side < 2; side++) {
-        faces[side] = search->method->faces_index(&search->faces[side], item->node[side]);
-    }
-    for (int side = 0; side < 2 && may_cross(item); side++) {
-        look_at_passages(search, side, faces[side], faces[1 - side]);
-    }
-    for (int side = 0; side < 2; side++) {
-        const struct eng_face *face = face_of(search, side, faces[side]);
-        for (uint32_t k = 0; k < 3; k++) {
-            if ((face->owns & ENG_OWNS_VERTEX(k)) != 0) {
-                struct eng_near_pair pair =
-                    eng_near_vf(search->scene, search->faces[side].object, face->v[k],
-                                search->faces[1 - side].object, faces[1 - side]);
-                look(search, &pair);
-            }
-        }
-    }
-    const struct eng_face *a = face_of(search, 0, faces[0]);
-    const struct eng_face *b = face_of(search, 1, faces[1]);
-    for (uint32_t i = 0; i < 3; i++) {
-        if ((a->owns & ENG_OWNS_EDGE(i)) == 0) {
+    const struct eng_scene *scene = search->scene;
+    uint32_t a = search->leaves[side].object;
+    uint32_t b = search->leaves[1 - side].object;
+    enum pccd_tree tree = search->leaves[1 - side].tree;
+    bool is_point = search->leaves[side].tree == PCCD_TREE_VERTICES;
+    for (uint32_t k = 0; k < 3; k++) {
+        if ((own->owns & ENG_OWNS_VERTEX(k)) == 0 ||
+            (tree != PCCD_TREE_FACES && !is_point)) {
             continue;
         }
-        uint32_t edge_a[2] = {a->v[i], a->v[(i + 1) % 3]};
+        struct eng_near_pair pair =
+            tree == PCCD_TREE_FACES   ? eng_near_vf(scene, a, own->v[k], b, face)
+            : tree == PCCD_TREE_EDGES ? eng_near_ve(scene, a, own->v[k], b, other->v)
+                                      : eng_near_vv(scene, a, own->v[k], b, other->v[0]);
+        look(search, &pair);
+    }
+}
+
+/* The features that two leaves own against each other, as in a step, and what passes
+ * through what. */
+static void look_at_leaves(struct eng_near_search *search,
+                           const struct eng_near_item *item)
+{
+    struct eng_face leaf[2];
+    uint32_t index[2];
+    for (int side = 0; side < 2; side++) {
+        leaf[side] = leaf_of(search, side, item->node[side]);
+        index[side] =
+            search->method->leaves_index(&search->leaves[side], item->node[side]);
+    }
+    for (int side = 0; side < 2 && may_cross(item); side++) {
+        if (search->leaves[1 - side].tree == PCCD_TREE_FACES) {
+            look_at_passages(search, side, &leaf[side], index[1 - side]);
+        }
+    }
+    for (int side = 0; side < 2; side++) {
+        look_at_vertices(search, side, &leaf[side], &leaf[1 - side], index[1 - side]);
+    }
+    for (uint32_t i = 0; i < 3; i++) {
+        if ((leaf[0].owns & ENG_OWNS_EDGE(i)) == 0) {
+            continue;
+        }
+        uint32_t edge_a[2] = {leaf[0].v[i], leaf[0].v[(i + 1) % 3]};
         for (uint32_t j = 0; j < 3; j++) {
-            if ((b->owns & ENG_OWNS_EDGE(j)) != 0) {
-                uint32_t edge_b[2] = {b->v[j], b->v[(j + 1) % 3]};
+            if ((leaf[1].owns & ENG_OWNS_EDGE(j)) != 0) {
+                uint32_t edge_b[2] = {leaf[1].v[j], leaf[1].v[(j + 1) % 3]};
                 struct eng_near_pair pair =
-                    eng_near_ee(search->scene, search->faces[0].object, edge_a,
-                                search->faces[1].object, edge_b);
+                    eng_near_ee(search->scene, search->leaves[0].object, edge_a,
+                                search->leaves[1].object, edge_b);
                 look(search, &pair);
             }
         }
@@ -235,10 +266,10 @@ static void push(struct eng_near_search *search, uint32_t begin,
     search->items[at] = *item;
 }
 
-static const struct eng_faces_below *open_side(struct eng_near_search *search, int side,
-                                               uint32_t node)
+static const struct eng_leaves_below *open_side(struct eng_near_search *search, int side,
+                                                uint32_t node)
 {
-    search->method->faces_open(&search->faces[side], node, &search->below[side]);
+    search->method->leaves_open(&search->leaves[side], node, &search->below[side]);
     return &search->below[side];
 }
 
@@ -246,8 +277,8 @@ static void open_both(struct eng_near_search *search, const uint32_t node[2])
 {
     uint32_t begin = search->item_count;
     float square[ENG_WIDE];
-    const struct eng_faces_below *a = open_side(search, 0, node[0]);
-    const struct eng_faces_below *b = open_side(search, 1, node[1]);
+    const struct eng_leaves_below *a = open_side(search, 0, node[0]);
+    const struct eng_leaves_below *b = open_side(search, 1, node[1]);
     for (uint32_t left = a->children; left != 0; left &= left - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(left);
         float box[2][4];
@@ -261,7 +292,7 @@ static void open_both(struct eng_near_search *search, const uint32_t node[2])
                  &(struct eng_near_item){
                      square[j],
                      {a->child[i], b->child[j]},
-                     (uint8_t)((a->faces >> i & 1u) | (b->faces >> j & 1u) << 1)});
+                     (uint8_t)((a->leaves >> i & 1u) | (b->leaves >> j & 1u) << 1)});
         }
     }
 }
@@ -279,6 +310,28 @@ static void begin(struct eng_near_search *search, uint32_t a, uint32_t b, double
     search->item_count = 0;
 }
 
+/* Get ready to go down two trees of the objects; false: either has no leaf there. */
+static bool begin_trees(struct eng_near_search *search, uint32_t a, enum pccd_tree tree_a,
+                        uint32_t b, enum pccd_tree tree_b)
+{
+    const struct eng_method_calls *method = search->method;
+    search->item_count = 0;
+    if (!method->leaves_of(search->scene, a, tree_a, search->end, &search->leaves[0]) ||
+        !method->leaves_of(search->scene, b, tree_b, search->end, &search->leaves[1])) {
+        return false;
+    }
+    search->items[search->item_count++] =
+        (struct eng_near_item){.node = {search->leaves[0].root, search->leaves[1].root}};
+    return true;
+}
+
+/* Faces, edges, points: pairs of larger leaves first. */
+#define TREES 3
+static enum pccd_tree tree_of(uint32_t i)
+{
+    return (enum pccd_tree)(TREES - 1 - i);
+}
+
 bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
                              double distance, double gap, const double most[2],
                              const struct eng_near_pair *first)
@@ -288,54 +341,54 @@ bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_
         eng_near_best_look(&search->best, first);
         set_limit(search);
     }
-    search->method->faces_of(search->scene, a, search->end, &search->faces[0]);
-    search->method->faces_of(search->scene, b, search->end, &search->faces[1]);
-    search->items[search->item_count++] =
-        (struct eng_near_item){.node = {search->faces[0].root, search->faces[1].root}};
-    while (search->item_count > 0 && !is_stopped(search)) {
-        struct eng_near_item item = search->items[--search->item_count];
-        if (item.square >= search->limit) {
-            continue;
-        }
-        if (item.faces == 3) {
-            look_at_faces(search, &item);
-        } else {
-            open_both(search, item.node);
+    for (uint32_t i = 0; i < TREES * TREES; i++) {
+        (void)begin_trees(search, a, tree_of(i / TREES), b, tree_of(i % TREES));
+        while (search->item_count > 0 && !is_stopped(search)) {
+            struct eng_near_item item = search->items[--search->item_count];
+            if (item.square >= search->limit) {
+                continue;
+            }
+            if (item.leaves == 3) {
+                look_at_leaves(search, &item);
+            } else {
+                open_both(search, item.node);
+            }
         }
     }
     return !search->is_stopped;
 }
 
-/* Return whether somebody else counts a side of a face. */
+/* Return whether somebody else counts a side of a leaf. */
 static bool is_foreign(const struct eng_near_search *search, int side,
-                       const struct eng_face *face, uint32_t k)
+                       const struct eng_face *leaf, uint32_t k)
 {
-    const struct eng_mesh *mesh = search->scene->objects[search->faces[side].object].mesh;
-    const uint32_t ends[2] = {face->v[k], face->v[(k + 1) % 3]};
+    const struct eng_mesh *mesh =
+        search->scene->objects[search->leaves[side].object].mesh;
+    const uint32_t ends[2] = {leaf->v[k], leaf->v[(k + 1) % 3]};
     return eng_mesh_has_foreign(mesh) &&
            eng_mesh_is_foreign(mesh, PCCD_TREE_EDGES, eng_near_edge_number(mesh, ends));
 }
 
-/* Count the edges owned by a face of one side that pass through a face of the other. */
-static uint64_t count_crossings(struct eng_near_search *search, int side, uint32_t edges,
-                                uint32_t face)
+/* Count the edges owned by a leaf of one side that pass through a face of the other. */
+static uint64_t count_crossings(struct eng_near_search *search, int side,
+                                const struct eng_near_item *item)
 {
     const struct eng_scene *scene = search->scene;
-    const struct eng_face *own = face_of(search, side, edges);
-    const struct eng_face *other = face_of(search, 1 - side, face);
-    uint32_t first[2] = {scene->objects[search->faces[side].object].vertices.first,
-                         scene->objects[search->faces[1 - side].object].vertices.first};
+    const struct eng_face own = leaf_of(search, side, item->node[side]);
+    const struct eng_face other = leaf_of(search, 1 - side, item->node[1 - side]);
+    uint32_t first[2] = {scene->objects[search->leaves[side].object].vertices.first,
+                         scene->objects[search->leaves[1 - side].object].vertices.first};
     uint64_t count = 0;
     double x[5][3];
     for (int i = 0; i < 3; i++) {
-        memcpy(x[2 + i], search->best.x[first[1] + other->v[i]], sizeof x[0]);
+        memcpy(x[2 + i], search->best.x[first[1] + other.v[i]], sizeof x[0]);
     }
     for (uint32_t k = 0; k < 3; k++) {
-        if ((own->owns & ENG_OWNS_EDGE(k)) != 0) {
-            memcpy(x[0], search->best.x[first[0] + own->v[k]], sizeof x[0]);
-            memcpy(x[1], search->best.x[first[0] + own->v[(k + 1) % 3]], sizeof x[0]);
+        if ((own.owns & ENG_OWNS_EDGE(k)) != 0) {
+            memcpy(x[0], search->best.x[first[0] + own.v[k]], sizeof x[0]);
+            memcpy(x[1], search->best.x[first[0] + own.v[(k + 1) % 3]], sizeof x[0]);
             count += eng_distance_crosses(&search->distances, (const double(*)[3])x) &&
-                     !is_foreign(search, side, own, k);
+                     !is_foreign(search, side, &own, k);
         }
     }
     return count;
@@ -344,25 +397,25 @@ static uint64_t count_crossings(struct eng_near_search *search, int side, uint32
 bool eng_near_search_crossings(struct eng_near_search *search, uint32_t a, uint32_t b,
                                uint64_t *crossings)
 {
+    static const enum pccd_tree trees[3][2] = {{PCCD_TREE_FACES, PCCD_TREE_FACES},
+                                               {PCCD_TREE_EDGES, PCCD_TREE_FACES},
+                                               {PCCD_TREE_FACES, PCCD_TREE_EDGES}};
     *crossings = 0;
     begin(search, a, b, 0, 0, thin);
-    search->method->faces_of(search->scene, a, search->end, &search->faces[0]);
-    search->method->faces_of(search->scene, b, search->end, &search->faces[1]);
-    search->items[search->item_count++] =
-        (struct eng_near_item){.node = {search->faces[0].root, search->faces[1].root}};
-    while (search->item_count > 0 && !is_stopped(search)) {
-        struct eng_near_item item = search->items[--search->item_count];
-        if (item.faces != 3) {
-            open_both(search, item.node);
-            continue;
+    for (int i = 0; i < 3; i++) {
+        (void)begin_trees(search, a, trees[i][0], b, trees[i][1]);
+        while (search->item_count > 0 && !is_stopped(search)) {
+            struct eng_near_item item = search->items[--search->item_count];
+            if (item.leaves != 3) {
+                open_both(search, item.node);
+                continue;
+            }
+            for (int side = 0; side < 2; side++) {
+                if (trees[i][1 - side] == PCCD_TREE_FACES) {
+                    *crossings += count_crossings(search, side, &item);
+                }
+            }
         }
-        uint32_t faces[2];
-        for (int side = 0; side < 2; side++) {
-            faces[side] =
-                search->method->faces_index(&search->faces[side], item.node[side]);
-        }
-        *crossings += count_crossings(search, 0, faces[0], faces[1]) +
-                      count_crossings(search, 1, faces[1], faces[0]);
     }
     return !search->is_stopped;
 }
@@ -376,7 +429,7 @@ static void box_point(const struct eng_near_search *search, const double x[3],
     const struct eng_scene *scene = search->scene;
     const struct eng_box_frame *frame =
         scene->framing.number == 0 ? NULL
-                                   : &scene->objects[search->faces[1].object].frame;
+                                   : &scene->objects[search->leaves[1].object].frame;
     for (int k = 0; k < 3; k++) {
         float low;
         float high;
@@ -392,7 +445,7 @@ static void open_one(struct eng_near_search *search, float box[2][4], float limi
 {
     uint32_t begin = search->item_count;
     float square[ENG_WIDE];
-    const struct eng_faces_below *below = open_side(search, 1, node);
+    const struct eng_leaves_below *below = open_side(search, 1, node);
     uint32_t bits = search->worker->kernels->box_gaps(
         below->low, below->high, (const float(*)[4])box, limit, square);
     search->box_tests += ENG_WIDE;
@@ -400,7 +453,7 @@ static void open_one(struct eng_near_search *search, float box[2][4], float limi
         uint32_t i = (uint32_t)__builtin_ctz(bits);
         push(search, begin,
              &(struct eng_near_item){
-                 square[i], {0, below->child[i]}, (uint8_t)(below->faces >> i & 1u)});
+                 square[i], {0, below->child[i]}, (uint8_t)(below->leaves >> i & 1u)});
     }
 }
 
@@ -409,9 +462,10 @@ static void begin_point(struct eng_near_search *search, uint32_t of_vertex, uint
 {
     const struct eng_object *object = &search->scene->objects[of_vertex];
     begin(search, of_vertex, of_faces, INFINITY, 0, thin);
-    search->method->faces_of(search->scene, of_faces, search->end, &search->faces[1]);
+    (void)search->method->leaves_of(search->scene, of_faces, PCCD_TREE_FACES, search->end,
+                                    &search->leaves[1]);
     search->items[search->item_count++] =
-        (struct eng_near_item){.node = {0, search->faces[1].root}};
+        (struct eng_near_item){.node = {0, search->leaves[1].root}};
     box_point(search, search->best.x[object->vertices.first + v], box);
 }
 
@@ -436,11 +490,11 @@ bool eng_near_search_vertex(struct eng_near_search *search, uint32_t of_vertex,
         if (item.square >= search->limit) {
             continue;
         }
-        if (item.faces == 0) {
+        if (item.leaves == 0) {
             open_one(search, box, search->limit, item.node[1]);
         } else {
             look_at_face(search, of_vertex, v, of_faces,
-                         search->method->faces_index(&search->faces[1], item.node[1]));
+                         search->method->leaves_index(&search->leaves[1], item.node[1]));
         }
     }
     return !search->is_stopped;
@@ -459,12 +513,12 @@ bool eng_near_search_winding(struct eng_near_search *search, uint32_t of_vertex,
     box[1][0] = FAR; /* the ray's */
     while (search->item_count > 0 && !*is_on && !is_stopped(search)) {
         struct eng_near_item item = search->items[--search->item_count];
-        if (item.faces == 0) {
+        if (item.leaves == 0) {
             open_one(search, box, SQUARE_TINY, item.node[1]);
             continue;
         }
         double face[3][3];
-        uint32_t index = search->method->faces_index(&search->faces[1], item.node[1]);
+        uint32_t index = search->method->leaves_index(&search->leaves[1], item.node[1]);
         for (int i = 0; i < 3; i++) {
             memcpy(face[i], x[object->vertices.first + object->mesh->leaves[index].v[i]],
                    sizeof face[i]);

@@ -14,14 +14,14 @@
 #include "method.h"
 #include "near_best.h"
 
-/* Nodes of two objects, or faces, that wait. */
+/* Nodes of two objects, or leaves, that wait. */
 struct eng_near_item {
     float square; /* of their distance: it is not less, but for a margin */
     uint32_t node[2];
-    uint8_t faces; /* bit i: node[i] is a face */
+    uint8_t leaves; /* bit i: node[i] is a leaf */
 };
 
-#define ENG_NEAR_ITEMS (ENG_FACES_LEVELS_MAX * ENG_WIDE * ENG_WIDE)
+#define ENG_NEAR_ITEMS (ENG_LEAVES_LEVELS_MAX * ENG_WIDE * ENG_WIDE)
 
 struct eng_near_search {
     const struct eng_method_calls *method;
@@ -33,8 +33,8 @@ struct eng_near_search {
     struct eng_near_best best;
     bool is_stopped;
     uint32_t steps; /* since the clock was looked at */
-    struct eng_faces faces[2];
-    struct eng_faces_below below[2];
+    struct eng_leaves leaves[2]; /* of the trees that are gone down */
+    struct eng_leaves_below below[2];
     double scale;    /* of the boxes */
     bool has_shift;  /* the boxes of the first object have to be moved .. */
     double shift[3]; /* .. by that, to be beside those of the second */
@@ -66,8 +66,8 @@ bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_
 bool eng_near_search_crossings(struct eng_near_search *search, uint32_t a, uint32_t b,
                                uint64_t *crossings);
 
-/* Find the nearest of a vertex of one object and the faces of another; of equally near
- * ones the first. `first`, or ENG_NO_FACE, is looked at before any other. */
+/* Find the nearest of a vertex of one object and the faces of another, which has some; of
+ * equally near ones the first. `first`, or ENG_NO_FACE, is looked at before any other. */
 #define ENG_NO_FACE UINT32_MAX
 bool eng_near_search_vertex(struct eng_near_search *search, uint32_t of_vertex,
                             uint32_t v, uint32_t of_faces, uint32_t first);

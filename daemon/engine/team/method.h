@@ -15,29 +15,30 @@
 
 struct eng_scene;
 
-/* The faces of one object, as a search for what is near sees them: sixteen boxes at a
- * time. Nodes are numbers. */
-struct eng_faces {
+/* The leaves of one object in one tree, its faces, or its free edges or points, as a
+ * search for what is near sees them: sixteen boxes at a time. Nodes are numbers. */
+struct eng_leaves {
     const struct eng_scene *scene;
     uint32_t object; /* index */
+    enum pccd_tree tree;
     uint32_t end;    /* of the step: 0 or 1 */
     uint32_t root;
-    uint32_t first; /* slots of the object's faces */
+    uint32_t first; /* slots of the object's features in the tree */
     uint32_t count;
 };
 
-/* The faces below a node. */
-struct eng_faces_below {
+/* The leaves below a node. */
+struct eng_leaves_below {
     const float (*low)[ENG_WIDE]; /* [axis][child], outward distances (boxes.h) */
     const float (*high)[ENG_WIDE];
     uint32_t children; /* a bit for each that there is: at INFINITY is none, either */
-    uint32_t faces;    /* a bit for each of them that is a face */
+    uint32_t leaves;   /* a bit for each of them that is a leaf */
     uint32_t child[ENG_WIDE];
     _Alignas(64) float own[2][3][ENG_WIDE]; /* room for low and high */
 };
 
 /* Below a node there are at most so many levels of opened nodes, itself included. */
-#define ENG_FACES_LEVELS_MAX 8u
+#define ENG_LEAVES_LEVELS_MAX 8u
 
 struct eng_method_calls {
     bool can_prune; /* it leaves out pairs that stand (team.h, prunes) */
@@ -96,15 +97,16 @@ struct eng_method_calls {
     /* Perform a thread's part of all tasks, until none is left anywhere. [team] */
     void (*perform_assigned)(struct eng_team *team, struct eng_worker *worker);
 
-    /* Describe the faces of an object at an end of the step, and what is below a node of
-     * them: after a refit, and until what the scene has moves on. `wide` alone does,
-     * which all questions about the faces of two objects go to. [any] */
-    void (*faces_of)(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
-                     struct eng_faces *faces);
-    void (*faces_open)(const struct eng_faces *faces, uint32_t node,
-                       struct eng_faces_below *below);
-    /* Return the index in its mesh of one that is a face. */
-    uint32_t (*faces_index)(const struct eng_faces *faces, uint32_t node);
+    /* Describe the leaves that an object has in a tree, at an end of the step (false: it
+     * has none), and what is below a node of them: after a refit, and until what the
+     * scene has moves on. `wide` alone does, which all questions about two objects go to.
+     * [any] */
+    bool (*leaves_of)(const struct eng_scene *scene, uint32_t object_idx,
+                      enum pccd_tree tree, uint32_t end, struct eng_leaves *leaves);
+    void (*leaves_open)(const struct eng_leaves *leaves, uint32_t node,
+                       struct eng_leaves_below *below);
+    /* Return the index in its mesh of one that is a leaf: of a face, edge or vertex. */
+    uint32_t (*leaves_index)(const struct eng_leaves *leaves, uint32_t node);
 
     /* Free, or count the bytes of, what the method keeps of a worker, in its slot of
      * worker->work. [compute] */

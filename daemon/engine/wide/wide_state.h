@@ -32,14 +32,14 @@ extern const struct eng_slot_calls eng_wide_slot;
 extern const struct eng_method_calls eng_method_wide;
 
 /* Do parts of it (method.h): the refit by all threads, with eng_refit_begin before the
- * region and eng_refit_release and eng_refit_await after it; and the faces of an object.
- * All objects have the root of the tree of faces; what is not in the object's slots is
+ * region and eng_refit_release and eng_refit_await after it; and the leaves of an
+ * object. All objects have the root of a tree; what is not in the object's slots is
  * left out on the way down. */
 bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker);
-void eng_wide_faces_of(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
-                       struct eng_faces *faces);
-void eng_wide_faces_open(const struct eng_faces *faces, uint32_t node,
-                         struct eng_faces_below *below);
-uint32_t eng_wide_faces_index(const struct eng_faces *faces, uint32_t node);
+bool eng_wide_leaves_of(const struct eng_scene *scene, uint32_t object_idx,
+                        enum pccd_tree tree, uint32_t end, struct eng_leaves *leaves);
+void eng_wide_leaves_open(const struct eng_leaves *leaves, uint32_t node,
+                         struct eng_leaves_below *below);
+uint32_t eng_wide_leaves_index(const struct eng_leaves *leaves, uint32_t node);
 
 #endif

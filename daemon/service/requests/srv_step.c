@@ -311,13 +311,6 @@ static int explain(const struct srv_step_run *run, int status)
     if (!run->params->is_near) {
         return proto_error_set(error, status, "the step: %s", proto_status_text(status));
     }
-    if (status == PCCD_E_INVAL && found->has_free) {
-        return proto_error_set(
-            error, status,
-            "the mesh of object 0x%x has free edges or points: %s is answered for meshes "
-            "of triangles alone",
-            found->open_object, found->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");
-    }
     if (status == PCCD_E_INVAL && found->open_object != 0) {
         return proto_error_set(
             error, status,

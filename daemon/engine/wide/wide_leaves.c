@@ -1,0 +1,108 @@
+/* wide_leaves.c - the leaves of one object in one of the wide trees: faces, or what is
+ * free of its edges or vertices. */
+#include "wide_state.h"
+
+#include "wide_cells.h"
+
+#define BLOCK_BITS 28u /* blocks are fewer than 2^28 */
+
+static_assert(ENG_WIDE_LEVELS_MAX <= ENG_LEAVES_LEVELS_MAX, "levels of opened nodes");
+
+static uint32_t node_of(uint32_t level, uint32_t block)
+{
+    assert(level < ENG_WIDE_LEVELS_MAX && block < 1u << BLOCK_BITS);
+    return level << BLOCK_BITS | block;
+}
+
+bool eng_wide_leaves_of(const struct eng_scene *scene, uint32_t object_idx,
+                        enum pccd_tree tree, uint32_t end, struct eng_leaves *leaves)
+{
+    const struct eng_wide *wide = eng_wide_of(scene);
+    const struct eng_mesh_info *info = &scene->objects[object_idx].mesh->info;
+    const struct eng_wide_object *object =
+        eng_wide_object_of(&scene->objects[object_idx]);
+    const uint32_t counts[ENG_WIDE_TREES] = {info->free_point_count,
+                                             info->free_edge_count, info->triangle_count};
+    assert(end <= 1);
+    *leaves = (struct eng_leaves){.scene = scene,
+                                  .object = object_idx,
+                                  .tree = tree,
+                                  .end = end,
+                                  .root = node_of(wide->level_count - 1, 0),
+                                  .first = object->first[tree],
+                                  .count = object->order->count[tree]};
+    return counts[tree] > 0;
+}
+
+/* Boxes of the features in a block of slots, of their whole numbers. */
+static void box_leaves(const struct eng_wide *wide, enum pccd_tree tree, uint32_t block,
+                       uint32_t end, struct eng_leaves_below *below)
+{
+    const struct eng_quantising *quantising = &wide->quantising;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t *row = wide->trees[tree].quantised[block].row[end][k];
+        double cell = 1 / (double)quantising->scale[k];
+        for (uint32_t i = 0; i < ENG_WIDE; i++) {
+            int16_t low = (int16_t)(row[i] & 0xffff);
+            int16_t high = (int16_t)(row[i] >> 16);
+            below->own[0][k][i] = eng_wide_distance_of(low, cell, quantising->below[k]);
+            below->own[1][k][i] = eng_wide_distance_of(high, cell, quantising->above[k]);
+        }
+    }
+    below->low = (const float(*)[ENG_WIDE])below->own[0];
+    below->high = (const float(*)[ENG_WIDE])below->own[1];
+}
+
+static void rows_of(const struct eng_wide_block *block, uint32_t end,
+                    struct eng_leaves_below *below)
+{
+    below->low = block->row[ENG_LOW0 + end];
+    below->high = block->row[ENG_HIGH0 + end];
+}
+
+/* A bit for each of 16 i .. 16 i + 15 that is in first .. last. */
+static uint32_t within(uint32_t i, uint32_t first, uint32_t last)
+{
+    uint32_t begin = i * ENG_WIDE;
+    uint32_t low = first > begin ? first - begin : 0;
+    uint32_t high = last < begin ? 0 : last - begin + 1;
+    high = high < ENG_WIDE ? high : ENG_WIDE;
+    return low < high ? (1u << high) - (1u << low) : 0;
+}
+
+void eng_wide_leaves_open(const struct eng_leaves *leaves, uint32_t node,
+                          struct eng_leaves_below *below)
+{
+    static_assert(ENG_LOW1 == ENG_LOW0 + 1 && ENG_HIGH1 == ENG_HIGH0 + 1, "ends");
+    const struct eng_wide *wide = eng_wide_of(leaves->scene);
+    const struct eng_wide_tree *tree = &wide->trees[leaves->tree];
+    uint32_t level = node >> BLOCK_BITS;
+    uint32_t block = node & ((1u << BLOCK_BITS) - 1);
+    uint32_t last = leaves->first + leaves->count - 1;
+    uint32_t shift = level * ENG_WIDE_BITS;
+    below->children = within(block, leaves->first >> shift, last >> shift);
+    if (leaves->tree != PCCD_TREE_FACES) {
+        below->children &= tree->free[tree->first[level] + block];
+    }
+    below->leaves = level == 0 ? below->children : 0;
+    if (level > 0) {
+        for (uint32_t i = 0; i < ENG_WIDE; i++) {
+            below->child[i] = (level - 1) << BLOCK_BITS | (block * ENG_WIDE + i);
+        }
+        rows_of(eng_wide_blocks(tree, level) + block, leaves->end, below);
+        return;
+    }
+    for (uint32_t i = 0; i < ENG_WIDE; i++) {
+        below->child[i] = block * ENG_WIDE + i;
+    }
+    if (wide->has_quantised) {
+        box_leaves(wide, leaves->tree, block, leaves->end, below);
+    } else {
+        rows_of(eng_wide_blocks(tree, 0) + block, leaves->end, below);
+    }
+}
+
+uint32_t eng_wide_leaves_index(const struct eng_leaves *leaves, uint32_t node)
+{
+    return (uint32_t)eng_wide_key_of(eng_wide_of(leaves->scene), leaves->tree, node);
+}
