@@ -1,5 +1,11 @@
 /* test_int_overdue.c - steps that have to end before their turn. */
 #include "cases.h"
+
+#include <dirent.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include "crossing.h"
 #include "fixture.h"
 #include "grid.h"
@@ -145,6 +151,84 @@ CASE_WITH(overdue__large_step_is_answered_in_its_turn, start_large, teardown)
     expect_whole(before);
     assert_ok(test_grid_submit(&grid, NULL, &after));
     expect_whole(after);
+}
+
+/* ---- while it is computed ---------------------------------------------------------- */
+
+#define THREADS_MAX 64
+
+static pid_t held[THREADS_MAX];
+static int held_count;
+
+/* Hold all threads of the daemon but its loop. */
+static void hold_threads(void)
+{
+    char path[64];
+    const struct dirent *entry;
+
+    snprintf(path, sizeof path, "/proc/%ld/task", (long)test_shared.pid);
+    DIR *threads = opendir(path);
+    assert_non_null(threads);
+    held_count = 0;
+    while ((entry = readdir(threads)) != NULL && held_count < THREADS_MAX) {
+        pid_t thread = atoi(entry->d_name);
+        if (thread == 0 || thread == test_shared.pid) {
+            continue;
+        }
+        if (ptrace(PTRACE_SEIZE, thread, 0, 0) != 0) {
+            test_skip("threads of a child may not be traced here");
+        }
+        held[held_count++] = thread;
+        assert_int_equal(ptrace(PTRACE_INTERRUPT, thread, 0, 0), 0);
+        assert_int_equal(waitpid(thread, NULL, __WALL), thread);
+    }
+    closedir(threads);
+}
+
+static void release_threads(void)
+{
+    for (int i = 0; i < held_count; i++) {
+        assert_int_equal(ptrace(PTRACE_DETACH, held[i], 0, 0), 0);
+    }
+}
+
+/* If it failed, a step would be as late as what its thread is at, which does not look
+ * whether to stop: copies of large bodies, or their trees. The thread is held, so that it
+ * cannot look at all. Before it has read the slot, or when it is done, nobody can tell:
+ * then that is tried again. */
+CASE_WITH(overdue__step_is_answered_while_its_thread_looks_at_nothing, start, teardown)
+{
+    bool is_answered_meanwhile = false;
+
+    if (test_is_direct()) {
+        test_skip("with direct: there is no other thread that could answer");
+    }
+    for (int i = 0; i < TRIES && !is_answered_meanwhile; i++) {
+        const struct pccd_step_settings settings = {.struct_bytes =
+                                                        sizeof(struct pccd_step_settings),
+                                                    .deadline_ns = 30 * DEADLINE_NS};
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
+        uint64_t step;
+
+        assert_ok(test_grid_submit(&grid, &settings, &step));
+        (void)usleep(1000u * (unsigned)(1 + i));
+        hold_threads();
+        int before = pccd_wait(client, step, 0, &answer);
+        int status = before == PCCD_E_AGAIN ? pccd_wait(client, step, 500, &answer) : 0;
+        release_threads();
+        if (status == PCCD_E_TIMEOUT) {
+            take(step, &answer);
+        } else if (before == PCCD_E_AGAIN) {
+            assert_ok(status);
+            assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+            assert_int_equal(answer.total, 0);
+            is_answered_meanwhile = true;
+        }
+        pccd_answer_release(client, &answer);
+        assert_ok(test_grid_submit(&grid, NULL, &step)); /* from where that has led */
+        expect_whole(step);
+    }
+    assert_true(is_answered_meanwhile);
 }
 
 /* ---- what goes wrong later --------------------------------------------------------- */

@@ -163,7 +163,7 @@ static bool can_be_brief(struct srv_request *request)
 #define EARLY_BYTES_MAX (1u << 20)
 
 /* It is to end, and others are still before it: the answer is known. What it moves is
- * copied for its turn. */
+ * copied for its turn, unless it is OPEN and has been read. */
 static void answer_early(struct srv_request *request, enum pccd_incomplete why)
 {
     srv_assert_loop();
@@ -173,7 +173,8 @@ static void answer_early(struct srv_request *request, enum pccd_incomplete why)
     struct srv_ring *ring = request->plan.ring;
     struct proto_answer answer;
     struct proto_error error = {0};
-    bool moves = params.slot.segments > 0;
+    bool moves =
+        params.slot.segments > 0 && srv_request_state(request) != SRV_REQUEST_OPEN;
     uint64_t bytes = 0;
     uint64_t copy_bytes = 0;
     uint8_t *copy = NULL;

@@ -67,10 +67,11 @@ bool srv_is_step(int method)
 void srv_request_move(struct srv_request *request, enum srv_request_state to)
 {
     static const uint16_t from[SRV_REQUEST_STATES] = {
-        [SRV_REQUEST_QUEUED] = FROM(NEW),
+        [SRV_REQUEST_QUEUED] = FROM(NEW) | FROM(OPEN),
+        [SRV_REQUEST_OPEN] = FROM(QUEUED),
         [SRV_REQUEST_BRIEF] = FROM(NEW),
         [SRV_REQUEST_MOVED] = FROM(BRIEF),
-        [SRV_REQUEST_EARLY] = FROM(QUEUED),
+        [SRV_REQUEST_EARLY] = FROM(QUEUED) | FROM(OPEN),
         [SRV_REQUEST_OWED] = FROM(QUEUED) | FROM(BRIEF) | FROM(MOVED),
         [SRV_REQUEST_TRIED] = FROM(QUEUED) | FROM(MOVED),
         [SRV_REQUEST_REPLIED] = FROM(QUEUED) | FROM(MOVED),
@@ -85,6 +86,26 @@ void srv_request_move(struct srv_request *request, enum srv_request_state to)
 static bool is_early(const struct srv_request *request)
 {
     return srv_request_state(request) == SRV_REQUEST_EARLY;
+}
+
+/* Go on from OPEN. False: it is not, or was not any more. [any] */
+static bool leave_open(struct srv_request *request, enum srv_request_state to)
+{
+    enum srv_request_state open = SRV_REQUEST_OPEN;
+    return atomic_compare_exchange_strong(&request->state, &open, to);
+}
+
+void srv_request_open(struct srv_request *request)
+{
+    if (request->plan.answer_early != NULL &&
+        srv_request_state(request) == SRV_REQUEST_QUEUED) {
+        srv_request_move(request, SRV_REQUEST_OPEN);
+    }
+}
+
+bool srv_request_claim(struct srv_request *request)
+{
+    return leave_open(request, SRV_REQUEST_QUEUED) || !is_early(request);
 }
 
 void srv_request_return_slot(struct srv_request *request)
@@ -526,8 +547,9 @@ bool srv_request_answer_early(struct srv_request *request, const void *result,
     srv_assert_loop();
     struct srv_session *session = request->session;
     struct early early = {copy, copy_bytes};
-    if (!srv_compute_amend(&session->service->compute, &request->job, mark_answered,
-                           &early)) {
+    bool is_late = copy == NULL && leave_open(request, SRV_REQUEST_EARLY);
+    if (!is_late && !srv_compute_amend(&session->service->compute, &request->job,
+                                       mark_answered, &early)) {
         return false;
     }
     session->submit_count--;
@@ -548,15 +570,43 @@ static void take_back(struct srv_request *request)
     done(&request->job);
 }
 
-/* Not one that runs: it ends by itself, and its slot would be copied for nothing. */
-static void try_early(struct srv_request *request, enum pccd_incomplete why)
+/* The time in which a step that runs answers by itself when it is to end: it looks at its
+ * end, as a rule, some 0.1 ms after it. If it is at something that does not look, such as
+ * the copies of a million vertices, the loop answers. */
+#define GRACE_NS 500000u
+
+/* Look again at a request that is to end and runs. */
+static void look_again(struct srv_request *request)
+{
+    struct srv_deadlines *deadlines = &request->session->service->deadlines;
+    srv_deadlines_remove(deadlines, &request->deadline);
+    if (srv_deadlines_reserve(deadlines) == 0) { /* else it answers by itself */
+        request->deadline.at_ns = common_now_ns() + GRACE_NS;
+        srv_deadlines_add(deadlines, &request->deadline);
+    }
+}
+
+/* Answer a request that is to end since `end_ns`: at once where it waits; one that runs
+ * after a grace, when it has read its slot. */
+static void try_early(struct srv_request *request, enum pccd_incomplete why,
+                      uint64_t end_ns)
 {
     struct srv_session *session = request->session;
-    if (request->plan.answer_early != NULL && session->state == SRV_SESSION_OPEN &&
-        !srv_request_is_cut_off(request) && !is_early(request) &&
-        session->overdue_count < SRV_OVERDUE_MAX &&
-        srv_compute_amend(&session->service->compute, &request->job, NULL, NULL)) {
+    if (request->plan.answer_early == NULL || session->state != SRV_SESSION_OPEN ||
+        srv_request_is_cut_off(request) || is_early(request) ||
+        session->overdue_count >= SRV_OVERDUE_MAX) {
+        return;
+    }
+    bool is_first = request->end_ns == 0;
+    request->end_ns = is_first ? end_ns : request->end_ns;
+    bool waits = srv_compute_amend(&session->service->compute, &request->job, NULL, NULL);
+    bool is_late = srv_request_state(request) == SRV_REQUEST_OPEN &&
+                   common_now_ns() - request->end_ns >= GRACE_NS;
+    if (waits ? is_first : is_late) {
         request->plan.answer_early(request, why);
+    }
+    if (!waits && !is_early(request)) {
+        look_again(request);
     }
 }
 
@@ -570,7 +620,10 @@ void srv_request_overdue(struct srv_deadline *deadline)
         request->plan.stop_waiting(request, PCCD_INCOMPLETE_DEADLINE);
         return;
     }
-    try_early(request, PCCD_INCOMPLETE_DEADLINE);
+    bool is_cancelled = atomic_load_explicit(&request->job.cancel, memory_order_relaxed);
+    try_early(request,
+              is_cancelled ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_DEADLINE,
+              deadline->at_ns);
 }
 
 void srv_request_cancel(struct srv_request *request)
@@ -581,7 +634,7 @@ void srv_request_cancel(struct srv_request *request)
         request->plan.stop_waiting(request, PCCD_INCOMPLETE_CANCELLED);
         return;
     }
-    try_early(request, PCCD_INCOMPLETE_CANCELLED);
+    try_early(request, PCCD_INCOMPLETE_CANCELLED, common_now_ns());
     if (!srv_is_step(request->method) && dequeue(request)) {
         take_back(request);
     }

@@ -18,6 +18,10 @@
  * A request that is taken back goes from QUEUED, MOVED or EARLY straight to OVER. No
  * other request is answered twice: EARLY and REPLIED have been answered; OWED, TRIED and
  * WAITING are answered by the loop when they are concluded.
+ *
+ * A step goes from QUEUED to OPEN while it runs. Then whoever is first answers it: its
+ * thread, which takes it back to QUEUED before it writes a page; or the loop, which makes
+ * it EARLY, where the thread is late with an answer that had to come.
  */
 #ifndef SRV_REQUEST_H
 #define SRV_REQUEST_H
@@ -103,7 +107,7 @@ struct srv_plan {
 };
 
 /* Changed by whoever works on the request: [loop], or [compute] while its job runs; EARLY
- * is set by [loop] while its job is queued and cannot begin. */
+ * is set by [loop] while its job is queued and cannot begin, or runs and is OPEN. */
 enum srv_request_state {
     SRV_REQUEST_NEW = 0,     /* being made */
     SRV_REQUEST_QUEUED = 1,  /* waits for its turn, or a thread works on it */
@@ -115,7 +119,8 @@ enum srv_request_state {
     SRV_REQUEST_REPLIED = 7, /* has run, and that thread has answered it */
     SRV_REQUEST_WAITING = 8, /* has run; its frame waits for a step (hold.h) */
     SRV_REQUEST_OVER = 9,    /* everything is given back */
-    SRV_REQUEST_STATES = 10
+    SRV_REQUEST_OPEN = 10,   /* runs, and thread or loop may answer it */
+    SRV_REQUEST_STATES = 11
 };
 
 struct srv_request {
@@ -142,6 +147,7 @@ struct srv_request {
     struct srv_laststep *last_step; /* of a step that was computed; else NULL */
     int fds[2];                     /* to send with the answer and close; -1: none */
     struct srv_deadline deadline;   /* [loop] the plan's; at_ns 0: none */
+    uint64_t end_ns;           /* [loop] since when it is to end; 0: it is not */
     uint8_t *copy;             /* EARLY: of its slot, charged to its user; NULL: none */
     uint64_t copy_bytes;       /* of `copy` */
     struct srv_outlet *outlet; /* [loop] may answer by it on [compute]; NULL: on [loop] */
@@ -176,8 +182,8 @@ void srv_request_overdue(struct srv_deadline *deadline);
 
 /* Answer with `result`, of its method, a request that still waits for its turn, when it
  * will do what is left without an answer: out of `copy`, of malloc, charged as
- * SRV_QUOTA_SHM_BYTES and taken over, in the place of its slot, which is returned. False:
- * it has begun, and nothing has changed. [loop] */
+ * SRV_QUOTA_SHM_BYTES and taken over, in the place of its slot, which is returned; or
+ * one that is OPEN. False: it is neither, and nothing has changed. [loop] */
 bool srv_request_answer_early(struct srv_request *request, const void *result,
                               uint8_t *copy, uint64_t copy_bytes);
 
@@ -193,6 +199,13 @@ void srv_request_catch_up(struct srv_service *service);
 /* Give the slot back as soon as it has been read; once, further calls do nothing.
  * [compute] */
 void srv_request_return_slot(struct srv_request *request);
+
+/* Let the loop answer it, too, from now on: its slot has been read. [compute] */
+void srv_request_open(struct srv_request *request);
+
+/* Take the answer to oneself; then it is not OPEN any more. False: the client has it, and
+ * the request is EARLY. [compute] */
+bool srv_request_claim(struct srv_request *request);
 
 /* Stop it: a queued step is answered at once where that is possible (answer_early), and
  * runs in its turn with its flag set; another queued request is answered with

@@ -299,8 +299,7 @@ static int explain(const struct srv_step_run *run, int status)
     const char *refused = eng_turning_refuses(run->question);
     if (!run->params->is_near && status == PCCD_E_INVAL && refused != NULL) {
         return proto_error_set(error, status,
-                               "the step: %s has no answer where objects turn",
-                               refused);
+                               "the step: %s has no answer where objects turn", refused);
     }
     if (!run->params->is_near && status == PCCD_E_INVAL &&
         eng_step_refuses_start(run->staging.scene->engine, run->question)) {
@@ -431,6 +430,9 @@ int srv_step_run(struct srv_step_run *run)
     if (status == 0 && !is_staged && (moves(run) || !run->params->is_near)) {
         status = stage(run);
     }
+    if (status == 0 && run->request->plan.batch == NULL) {
+        srv_request_open(run->request);
+    }
     status = status != 0 ? status : compute(run);
     if (status == PCCD_E_AGAIN) {
         return status;
@@ -527,6 +529,7 @@ static int work(struct srv_request *request, const struct srv_step_params *param
         request->job.goes_on = true;
         return 0;
     }
+    is_early = !srv_request_claim(request);
     if (status != 0 && is_early) {
         *owed_by(&request->item) = request->error;
     }
