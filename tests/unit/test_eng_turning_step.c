@@ -179,24 +179,25 @@ static void draw_question(struct prng *random, struct eng_question *question)
     question->distance = prng_below(random, 3) == 0 ? 0.01 : 0;
 }
 
-/* If it failed: a body would begin or end somewhere else than its joints say, or the next
- * step would begin somewhere else. */
-CASE(turning__begins_and_ends_at_its_poses)
+/* Step with the bar on a hinge at x, and look where that begins and ends, and the next
+ * step. */
+static void check_poses(double x, bool waits)
 {
-    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0.25, 0, 0, 1.25);
+    const struct pccd_joint joint = hinge(PCCD_NO_JOINT, x, 0, 0, 1.25);
     kit_begin_with(bar(0), kit_sheet(2, 3));
     check_staging(kit.scene, kit.idx[0], &joint);
+    assert_int_equal(kit.scene->writes[0].waits, waits);
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     kit_step(kit.scene, &settings);
     for (uint32_t end = 0; end < 2; end++) {
         double m[12];
         common_joint_transform(&joint, 0, end, m);
         for (uint32_t v = 0; v < 8; v++) {
-            double x[3];
+            double at[3];
             const struct eng_mesh *mesh = eng_scene_mesh(kit.scene, kit.idx[0]);
-            common_transform(m, eng_mesh_vertices(mesh)[v], x);
-            assert_memory_equal(x, eng_scene_positions(kit.scene, kit.idx[0], end)[v],
-                                sizeof x);
+            common_transform(m, eng_mesh_vertices(mesh)[v], at);
+            assert_memory_equal(at, eng_scene_positions(kit.scene, kit.idx[0], end)[v],
+                                sizeof at);
         }
     }
     double ended[8][3];
@@ -206,6 +207,16 @@ CASE(turning__begins_and_ends_at_its_poses)
         assert_memory_equal(ended, eng_scene_positions(kit.scene, kit.idx[0], end),
                             sizeof ended);
     }
+}
+
+/* If it failed: a body would begin or end somewhere else than its joints say, or the next
+ * step would begin somewhere else; or a daemon would place all its vertices before it
+ * gives the slot back, though they are certain to be where coordinates may be, and be
+ * late with the answer to a cancel. */
+CASE(turning__begins_and_ends_at_its_poses)
+{
+    check_poses(0.25, true);
+    check_poses(0x1p59, false); /* near the limit */
 }
 
 /* If it failed: a bar that turns through a post, and ends free of it, would miss it, as

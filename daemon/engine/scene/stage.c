@@ -15,6 +15,7 @@
 #include "clock.h"
 #include "coordinates.h"
 #include "ingest.h"
+#include "joints.h"
 #include "kernel.h"
 #include "memory.h"
 #include "moving.h"
@@ -252,6 +253,25 @@ static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
     return bad ? PCCD_E_NOTFINITE : PCCD_OK;
 }
 
+/* The vertices of a write are where two transforms take the registered ones. */
+static int place(struct eng_scene *scene, struct eng_write *write, const double m0[12],
+                 const double m1[12])
+{
+    const struct eng_object *object = &scene->objects[write->object];
+    const double(*rest)[3] = (const double(*)[3])object->mesh->x + write->first;
+    uint32_t v = object->vertices.first + write->first;
+    int status = transform(scene->start + v, rest, write->count, m0, &write->bounds[0]);
+    if (status == PCCD_OK) {
+        status = transform(ends_of_staging(scene) + v, rest, write->count, m1,
+                           &write->bounds[1]);
+    }
+    if (status == PCCD_OK && write->count == object->vertices.count) {
+        write->rounding_reach[0] = eng_rounding_reach(m0, m1, &object->mesh->bounds);
+        write->rounding_reach[1] = eng_rounding_reach(m1, m1, &object->mesh->bounds);
+    }
+    return status;
+}
+
 int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
                     uint32_t count, const void *m0, const void *m1)
 {
@@ -266,24 +286,64 @@ int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first
         status = eng_ingest_transform(matrix1, m1);
     }
     if (status == PCCD_OK) {
-        const struct eng_object *object = &scene->objects[object_idx];
-        const double(*rest)[3] = (const double(*)[3])object->mesh->x + first;
-        uint32_t v = object->vertices.first + first;
-        struct eng_write *write = last_write(scene);
-        status = transform(scene->start + v, rest, count, matrix0, &write->bounds[0]);
-        if (status == PCCD_OK) {
-            status = transform(ends_of_staging(scene) + v, rest, count, matrix1,
-                               &write->bounds[1]);
-        }
-        if (status == PCCD_OK && count == object->vertices.count) {
-            write->rounding_reach[0] =
-                eng_rounding_reach(matrix0, matrix1, &object->mesh->bounds);
-            write->rounding_reach[1] =
-                eng_rounding_reach(matrix1, matrix1, &object->mesh->bounds);
-        }
+        status = place(scene, last_write(scene), matrix0, matrix1);
     }
     scene->stage_ns += common_now_ns() - begin_ns;
     return status;
+}
+
+/* Return whether a transform certainly takes a whole mesh to where coordinates may be:
+ * half of the limit leaves room for every rounding. */
+static bool stays_within(const double m[12], const struct eng_mesh *mesh)
+{
+    bool stays = mesh->info.isolated_count == 0; /* bounds do not count those */
+    for (int k = 0; k < 3; k++) {
+        double most = fabs(m[4 * k + 3]);
+        for (int i = 0; i < 3; i++) {
+            most += fabs(m[4 * k + i]) *
+                    fmax(fabs(mesh->bounds.low[i]), fabs(mesh->bounds.high[i]));
+        }
+        stays = stays && most <= 0.5 * PROTO_COORDINATE_MAX;
+    }
+    return stays;
+}
+
+int eng_stage_on_joint(struct eng_scene *scene, uint32_t object_idx, uint32_t joint)
+{
+    uint64_t begin_ns = common_now_ns();
+    const struct eng_object *object = eng_scene_object(scene, object_idx);
+    double ends[2][12];
+    int status =
+        open_write(scene, object_idx, 0, object ? object->vertices.count : 0, true);
+    for (uint32_t end = 0; end < 2 && status == PCCD_OK; end++) {
+        common_joint_transform(scene->staged_joints.items, joint, end, ends[end]);
+        status = eng_ingest_transform(ends[end], ends[end]);
+    }
+    if (status == PCCD_OK) {
+        struct eng_write *write = last_write(scene);
+        write->joint = joint;
+        write->waits =
+            stays_within(ends[0], object->mesh) && stays_within(ends[1], object->mesh);
+        status = write->waits ? PCCD_OK : place(scene, write, ends[0], ends[1]);
+    }
+    scene->stage_ns += common_now_ns() - begin_ns;
+    return status;
+}
+
+/* Place what hangs on joints: when the step has read all that is its client's. */
+static void place_waiting(struct eng_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->write_count; i++) {
+        struct eng_write *write = &scene->writes[i];
+        double ends[2][12];
+        if (write->waits) {
+            common_joint_transform(scene->staged_joints.items, write->joint, 0, ends[0]);
+            common_joint_transform(scene->staged_joints.items, write->joint, 1, ends[1]);
+            int status = place(scene, write, ends[0], ends[1]);
+            assert(status == PCCD_OK); /* they stay within */
+            (void)status;
+        }
+    }
 }
 
 static int compare_writes(const void *a, const void *b)
@@ -457,6 +517,7 @@ int eng_stage_commit(struct eng_scene *scene)
         eng_stage_abort(scene);
         return PCCD_E_SEGMENT;
     }
+    place_waiting(scene);
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
         if (object->mesh && object->staged != scene->stage && !object->ends_are_equal) {

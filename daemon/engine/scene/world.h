@@ -222,6 +222,7 @@ struct eng_write {
     double rounding_reach[2]; /* as that of an object: INFINITY unless these are poses of
                                * it all */
     uint32_t joint; /* index of the step's, on which it turns; PCCD_NO_JOINT: none */
+    bool waits;     /* eng_stage_commit finds out where it is */
 };
 
 /* Joints of a step, checked. Their parents are indices among all of them. */
@@ -282,6 +283,10 @@ struct eng_scene {
     void *slots[ENG_SLOTS];
     uint64_t builds; /* hierarchies built since the scene was made */
 };
+
+/* Stage all of an object as hanging on a staged joint, as eng_stage_turning (turning/)
+ * says. Its positions are made by eng_stage_commit, as those of eng_stage_rigid. */
+int eng_stage_on_joint(struct eng_scene *scene, uint32_t object_idx, uint32_t joint);
 
 /* Return the object that staged or stands at `object_idx`, or NULL. */
 struct eng_object *eng_scene_object(const struct eng_scene *scene, uint32_t object_idx);

@@ -1,8 +1,6 @@
 /* stage_turning.c - joints of a step, and the objects that hang on them. */
 #include "stage_turning.h"
 
-#include <assert.h>
-
 #include "ingest.h"
 #include "joints.h"
 #include "memory.h"
@@ -49,22 +47,13 @@ int eng_stage_turning(struct eng_scene *scene, uint32_t object_idx, uint32_t joi
         return PCCD_E_INVAL;
     }
     const struct pccd_joint *joints = scene->staged_joints.items;
-    double ends[2][12];
     uint32_t length = 0;
     for (uint32_t at = joint; at != PCCD_NO_JOINT; at = joints[at].parent) {
         if (++length > ENG_PATH_JOINTS_MAX) {
             return PCCD_E_LIMIT;
         }
     }
-    common_joint_transform(joints, joint, 0, ends[0]);
-    common_joint_transform(joints, joint, 1, ends[1]);
-    int status =
-        eng_stage_rigid(scene, object_idx, 0, object->vertices.count, ends[0], ends[1]);
-    if (status == PCCD_OK) {
-        assert(scene->write_count > 0);
-        scene->writes[scene->write_count - 1].joint = joint;
-    }
-    return status;
+    return eng_stage_on_joint(scene, object_idx, joint);
 }
 
 const char *eng_turning_refuses(const struct eng_question *question)
