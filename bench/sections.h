@@ -29,5 +29,6 @@ int section_connect(const struct section_options *options);
 int section_death(const struct section_options *options);
 extern const struct option_row section_death_rows[];
 int section_ipc(const struct section_options *options);
+int section_late(const struct section_options *options);
 
 #endif

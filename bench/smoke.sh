@@ -19,7 +19,8 @@ pair slowest
 client batch
 client connect
 client death
-client ipc'
+client ipc
+client late'
 
 # If this failed, what is measured and what it is compared with would differ in their
 # results, or it would not run at all.

@@ -12,6 +12,7 @@ bench_pccd_bench_SOURCES = \
     bench/death.c \
     bench/gather.c \
     bench/kernels.c \
+    bench/late.c \
     bench/pair.c \
     bench/roofline.c \
     bench/slowest.c \

@@ -109,6 +109,7 @@ static const struct part {
     {"client", "connect", section_connect, NULL},
     {"client", "death", section_death, section_death_rows},
     {"client", "ipc", section_ipc, NULL},
+    {"client", "late", section_late, NULL},
 };
 
 static int measure_part(const struct part *part, int argc, char **argv)

@@ -239,7 +239,7 @@ void run_settings_read(struct run_settings *settings, int argc, char **argv)
         .text =
             "Time the steps of one scene, and count their work; or measure a section, "
             "or a part of it: kernel (kernels, roofline), pair (exact, distances, "
-            "slowest), client (batch, connect, death, ipc).",
+            "slowest), client (batch, connect, death, ipc, late).",
         .more =
             "Exit status: 0; 1 when an answer was incomplete or differed from pass to "
             "pass or from one side to another; 2 when it could not be asked for; 77 "

@@ -1,0 +1,326 @@
+/* late.c - how long after its deadline, or its cancel, the answer of a large step comes.
+ *
+ * Each scene is one of the worst for some phase of a step. A ping beside such a step says
+ * how much of the time is that of sockets and processors.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "asker.h"
+#include "prng.h"
+#include "sections.h"
+
+#define JOINTS_MAX    4000u
+#define BODIES_MAX    2000u
+#define PAUSE_MOST_NS 100000000u /* of a step that takes longer */
+
+struct late {
+    struct pccd_client *client;
+    struct prng prng;
+    uint32_t scene, count; /* of motions */
+    struct pccd_motion motions[BODIES_MAX];
+    struct pccd_joint joints[JOINTS_MAX];
+    uint32_t joint_count;
+    struct pccd_step_settings settings;
+    double (*x1[2])[3]; /* of a body that deforms, in turn; NULL: none does */
+    uint32_t turn;
+};
+
+/* ---- bodies ------------------------------------------------------------------------ */
+
+struct shape {
+    double (*x)[3];
+    uint32_t (*faces)[3];
+    uint32_t vertices, triangles;
+};
+
+/* A sheet of side * side cells over [-1, 1], at the height 0. */
+static struct shape make_sheet(uint32_t side)
+{
+    struct shape shape = {.vertices = (side + 1) * (side + 1),
+                          .triangles = 2 * side * side};
+    shape.x = bench_alloc(shape.vertices, sizeof *shape.x);
+    shape.faces = bench_alloc(shape.triangles, sizeof *shape.faces);
+    for (uint32_t v = 0; v < shape.vertices; v++) {
+        shape.x[v][0] = 2.0 * (v / (side + 1)) / side - 1;
+        shape.x[v][1] = 2.0 * (v % (side + 1)) / side - 1;
+        shape.x[v][2] = 0;
+    }
+    for (uint32_t i = 0; i < side * side; i++) {
+        uint32_t v = i / side * (side + 1) + i % side;
+        const uint32_t cell[2][3] = {{v, v + 1, v + side + 1},
+                                     {v + 1, v + side + 2, v + side + 1}};
+        memcpy(shape.faces[2 * i], cell, sizeof cell);
+    }
+    return shape;
+}
+
+/* The same around the axis z, of radius 1 and with its ends open, and a rough surface. */
+static struct shape make_roll(uint32_t side)
+{
+    struct shape shape = make_sheet(side);
+    for (uint32_t v = 0; v < shape.vertices; v++) {
+        double *x = shape.x[v];
+        double angle = 3.14 * x[0];
+        double radius = 1 + 0.01 * sin(40 * angle) * sin(40 * x[1]);
+        x[2] = x[1];
+        x[0] = radius * cos(angle);
+        x[1] = radius * sin(angle);
+    }
+    return shape;
+}
+
+static struct shape make_box(double size)
+{
+    static const uint32_t corners[12][3] = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5},
+                                            {0, 4, 5}, {0, 5, 1}, {2, 3, 7}, {2, 7, 6},
+                                            {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+    struct shape shape = {.vertices = 8, .triangles = 12};
+    shape.x = bench_alloc(8, sizeof *shape.x);
+    shape.faces = bench_alloc(12, sizeof *shape.faces);
+    for (uint32_t i = 0; i < 24; i++) {
+        shape.x[i / 3][i % 3] = i / 3 >> i % 3 & 1 ? size : -size;
+    }
+    memcpy(shape.faces, corners, sizeof corners);
+    return shape;
+}
+
+static uint32_t register_shape(struct late *late, const struct shape *shape)
+{
+    uint32_t mesh;
+    bench_must(pccd_mesh_create(late->client, shape->x, PCCD_FORMAT_F64, shape->vertices,
+                                (const uint32_t(*)[3])shape->faces, shape->triangles,
+                                &mesh, NULL),
+               "mesh", late->client);
+    return mesh;
+}
+
+static void free_shape(struct shape *shape)
+{
+    free(shape->x);
+    free(shape->faces);
+}
+
+/* Add an object; the next motion is its, if it moves. */
+static uint32_t add(struct late *late, uint32_t mesh)
+{
+    uint32_t object;
+    bench_must(pccd_scene_add(late->client, late->scene, mesh, &object), "object",
+               late->client);
+    return object;
+}
+
+static void turn(struct late *late, uint32_t mesh, uint32_t vertices, uint32_t joint)
+{
+    late->motions[late->count++] = (struct pccd_motion){
+        .object = add(late, mesh), .first = joint, .count = vertices};
+}
+
+static uint32_t joint(struct late *late, enum pccd_joint_kind kind, uint32_t parent,
+                      const double from[3], const double to[3])
+{
+    struct pccd_joint *at = &late->joints[late->joint_count];
+    *at = (struct pccd_joint){.kind = kind, .parent = parent, .rotation = {0, 0, 0, 1}};
+    if (kind == PCCD_JOINT_TURN) {
+        at->axis[2] = 1;
+        at->from[0] = from[0];
+        at->to[0] = to[0];
+    } else {
+        memcpy(at->from, from, sizeof at->from);
+        memcpy(at->to, to, sizeof at->to);
+    }
+    return late->joint_count++;
+}
+
+static uint32_t hinge(struct late *late, uint32_t parent, double angle)
+{
+    const double from[3] = {0}, to[3] = {angle};
+    return joint(late, PCCD_JOINT_TURN, parent, from, to);
+}
+
+/* ---- scenes ------------------------------------------------------------------------ */
+
+/* Boxes in a heap, each of which flies and tumbles. */
+static void make_pile(struct late *late, bool smoke)
+{
+    const uint32_t count = smoke ? 50 : BODIES_MAX;
+    struct shape box = make_box(1);
+    uint32_t mesh = register_shape(late, &box);
+    double room = 2 * cbrt(count);
+    for (uint32_t i = 0; i < count; i++) {
+        double value[4][3];
+        for (uint32_t k = 0; k < 12; k++) {
+            double most = k < 3 ? room : 1;
+            value[k / 3][k % 3] = prng_between(&late->prng, -most, most);
+        }
+        for (uint32_t k = 0; k < 3; k++) {
+            value[1][k] += value[0][k];
+        }
+        uint32_t fly = joint(late, PCCD_JOINT_SHIFT, PCCD_NO_JOINT, value[0], value[1]);
+        turn(late, mesh, 8, joint(late, PCCD_JOINT_VECTOR, fly, value[2], value[3]));
+    }
+    free_shape(&box);
+}
+
+/* Two bodies of a million triangles, or fewer, in one place, one of which turns. */
+static void make_twins(struct late *late, struct shape shape, double angle)
+{
+    uint32_t mesh = register_shape(late, &shape);
+    (void)add(late, mesh);
+    turn(late, mesh, shape.vertices, hinge(late, PCCD_NO_JOINT, angle));
+    free_shape(&shape);
+}
+
+static void make_large(struct late *late, bool smoke)
+{
+    make_twins(late, make_roll(smoke ? 30 : 708), 0.3);
+}
+
+static void make_undecided(struct late *late, bool smoke)
+{
+    make_twins(late, make_sheet(smoke ? 5 : 50), 0.3);
+}
+
+static void make_often(struct late *late, bool smoke)
+{
+    make_twins(late, make_roll(smoke ? 10 : 50), 1e5);
+}
+
+/* An arm of links about one another, in a rough floor. */
+static void make_chain(struct late *late, bool smoke)
+{
+    struct shape roll = make_roll(smoke ? 5 : 40), floor = make_roll(smoke ? 10 : 200);
+    uint32_t mesh = register_shape(late, &roll), last = PCCD_NO_JOINT;
+    (void)add(late, register_shape(late, &floor));
+    for (uint32_t i = 0; i < 64; i++) {
+        last = hinge(late, last, 0.5);
+        late->joints[last].position[0] = 0.5;
+        turn(late, mesh, roll.vertices, last);
+    }
+    free_shape(&roll);
+    free_shape(&floor);
+}
+
+/* A million triangles without joints that deform through one that stands. */
+static void make_straight(struct late *late, bool smoke)
+{
+    struct shape roll = make_roll(smoke ? 30 : 708);
+    uint32_t mesh = register_shape(late, &roll);
+    (void)add(late, mesh);
+    for (uint32_t i = 0; i < 2; i++) {
+        late->x1[i] = bench_alloc(roll.vertices, sizeof *late->x1[i]);
+        for (uint32_t v = 0; v < 3 * roll.vertices; v++) {
+            late->x1[i][v / 3][v % 3] = roll.x[v / 3][v % 3] + 0.01 * i * (v % 3);
+        }
+    }
+    late->motions[late->count++] = (struct pccd_motion){
+        .object = add(late, mesh), .count = roll.vertices, .format = PCCD_FORMAT_F64};
+    free_shape(&roll);
+}
+
+static const struct {
+    const char *name;
+    void (*make)(struct late *late, bool smoke);
+} scenes[] = {
+    {"pile of boxes", make_pile},  {"large twins", make_large},
+    {"undecided", make_undecided}, {"10^5 rad", make_often},
+    {"64 joints", make_chain},     {"straight", make_straight},
+};
+
+/* ---- what is measured -------------------------------------------------------------- */
+
+static uint64_t submit(struct late *late, uint64_t budget_ns)
+{
+    struct pccd_step_settings settings = late->settings;
+    uint64_t step = 0;
+    settings.deadline_ns = budget_ns;
+    settings.joints = late->joint_count > 0 ? late->joints : NULL;
+    settings.joint_count = late->joint_count;
+    late->turn = 1 - late->turn;
+    late->motions[0].x1 = late->x1[late->turn];
+    bench_must(pccd_submit(late->client, late->scene, late->motions, late->count,
+                           &settings, &step),
+               "submit", late->client);
+    return step;
+}
+
+/* Wait for it; returns whether it was not done before it had to end. */
+static bool end(struct late *late, uint64_t step)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    bench_must(pccd_wait(late->client, step, -1, &answer), "step", late->client);
+    bool ended = answer.incomplete == PCCD_INCOMPLETE_DEADLINE ||
+                 answer.incomplete == PCCD_INCOMPLETE_CANCELLED;
+    pccd_answer_release(late->client, &answer);
+    return ended;
+}
+
+static double us_since(uint64_t ns)
+{
+    uint64_t now_ns = common_now_ns();
+    return now_ns > ns ? 1e-3 * (double)(now_ns - ns) : 0;
+}
+
+static void measure_rounds(struct late *late, const char *name, bool smoke,
+                           uint32_t threads)
+{
+    const uint32_t rounds = smoke ? 3 : 20;
+    struct bench_samples cancel = {NULL, 0, 0}, deadline = {NULL, 0, 0},
+                         ping = {NULL, 0, 0};
+    late->settings.threads = threads;
+    uint64_t begin_ns = common_now_ns();
+    (void)end(late, submit(late, smoke ? 2000000 : PAUSE_MOST_NS));
+    uint32_t most_us = (uint32_t)us_since(begin_ns) + 1;
+    for (uint32_t i = 0; i < 3 * rounds; i++) {
+        uint32_t pause_us = prng_u32(&late->prng, most_us);
+        uint64_t budget_ns = 1 + 1000ull * pause_us;
+        uint64_t step = submit(late, i % 3 == 1 ? budget_ns : 0);
+        begin_ns = common_now_ns() + (i % 3 == 1 ? budget_ns : 0);
+        if (i % 3 != 1) {
+            (void)usleep(pause_us);
+            begin_ns = common_now_ns();
+        }
+        if (i % 3 == 2) {
+            bench_add(&ping, bench_ping_us(late->client));
+        }
+        if (i % 3 != 1) {
+            (void)pccd_cancel(late->client, step); /* or it is done */
+        }
+        if (end(late, step) && i % 3 != 2) {
+            bench_add(i % 3 == 0 ? &cancel : &deadline, us_since(begin_ns));
+        }
+    }
+    bench_check(cancel.count + deadline.count > 0, name, "every step was done in time");
+    struct bench_side rows[] = {
+        {.what = "cancel", .unit = "us", .threads = threads, .samples = cancel},
+        {.what = "deadline", .unit = "us", .threads = threads, .samples = deadline},
+        {.what = "ping beside it", .unit = "us", .threads = threads, .samples = ping}};
+    bench_sides_end(name, rows, sizeof rows / sizeof rows[0], true);
+}
+
+int section_late(const struct section_options *section)
+{
+    const struct bench_options *options = &section->bench;
+    struct pccd_client *client = bench_connect(0, NULL);
+    bench_heading("late");
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+        if (!bench_is_wanted(options, scenes[i].name)) {
+            continue;
+        }
+        struct late *late = bench_alloc(1, sizeof *late);
+        *late = (struct late){
+            .client = client, .prng = {17}, .settings = PCCD_STEP_SETTINGS_INIT};
+        bench_must(pccd_scene_create(client, NULL, &late->scene), "scene", client);
+        scenes[i].make(late, options->smoke);
+        measure_rounds(late, scenes[i].name, options->smoke, 1);
+        measure_rounds(late, scenes[i].name, options->smoke, 2);
+        bench_must(pccd_scene_destroy(client, late->scene), "scene", client);
+        free(late->x1[0]);
+        free(late->x1[1]);
+        free(late);
+    }
+    pccd_close(client);
+    return 0;
+}
