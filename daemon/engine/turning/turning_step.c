@@ -286,13 +286,7 @@ static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
         step->has_failed = true;
         return;
     }
-    const struct eng_turning_couple couple = {.a = a, .b = b};
-    struct eng_turning_couple *place = &step->couples[step->couple_count++];
-    if (size_of(step, &couple) >= ENG_TURNING_LARGE) {
-        *place = step->couples[step->divided_count];
-        place = &step->couples[step->divided_count++];
-    }
-    *place = couple;
+    step->couples[step->couple_count++] = (struct eng_turning_couple){.a = a, .b = b};
     join(step, a);
     join(step, b);
 }
@@ -324,6 +318,23 @@ static void list_couples(struct eng_turning_step *step, struct eng_worker *worke
                 eng_masks_allows(&step->scene->masks, item->object, other->object)) {
                 add_couple(step, item->object, other->object);
             }
+        }
+    }
+}
+
+/* Bring large ones to the front: they are divided. */
+static void choose_divided(struct eng_turning_step *step)
+{
+    uint64_t total = 0;
+    for (uint32_t i = 0; i < step->couple_count; i++) {
+        total += size_of(step, &step->couples[i]);
+    }
+    for (uint32_t i = 0; i < step->couple_count; i++) {
+        const struct eng_turning_couple couple = step->couples[i];
+        uint64_t size = size_of(step, &couple);
+        if (size >= ENG_TURNING_LARGE && size * ENG_TURNING_SHARES >= total) {
+            step->couples[i] = step->couples[step->divided_count];
+            step->couples[step->divided_count++] = couple;
         }
     }
 }
@@ -367,6 +378,7 @@ void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *wo
     atomic_init(&step->rest, ENG_REST_IS_FREE);
     list_items(step, worker);
     list_couples(step, worker);
+    choose_divided(step);
     if (eng_array_fit(&step->tasks, &step->task_capacity,
                       step->divided_count * ENG_TURNING_TASKS,
                       sizeof *step->tasks) != PCCD_OK) {

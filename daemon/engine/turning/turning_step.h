@@ -2,8 +2,9 @@
  *
  * List the pairs of objects of which one turns, by boxes around what each of them sweeps;
  * then have all threads test them (turning.h), large ones in tasks. Which are large is a
- * matter of their meshes alone: so are the tasks, and where one of them ends for want of
- * looks, whatever threads there are. The methods leave objects that turn out (masks.h).
+ * matter of the meshes of all pairs alone: so are the tasks, and where one of them ends
+ * for want of looks, whatever threads there are. The methods leave objects that turn out
+ * (masks.h).
  *
  * Threads: prepare, begin: [compute]; perform: [team].
  */
@@ -75,8 +76,11 @@ struct eng_turning_step {
 
 #define ENG_TURNING_TASKS 32u
 
-/* Two objects are tested in tasks if they have so many leaves. */
-#define ENG_TURNING_LARGE 512u
+/* Two objects are tested in tasks if they have so many leaves, and so large a share of
+ * all that are tested: 1 / SHARES. Of more couples there are enough for every thread, and
+ * each task begins anew at the roots. */
+#define ENG_TURNING_LARGE  512u
+#define ENG_TURNING_SHARES 64u
 
 void eng_turning_step_deinit(struct eng_turning_step *step);
 uint64_t eng_turning_step_bytes(const struct eng_turning_step *step);
