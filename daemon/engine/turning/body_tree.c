@@ -415,40 +415,51 @@ static void bound_leaf(const struct eng_face *leaf, const double (*x)[3],
     }
 }
 
-static void bound_node(const struct eng_body_boxes *boxes, const uint32_t children[4],
-                       double low[3], double high[3])
+/* The bounds of four children, by child: x, y, z, and one unused. */
+struct four_bounds {
+    eng_f4 low[4];
+    eng_f4 high[4];
+};
+
+static void bound_corners(const struct eng_face *leaf, const double (*x)[3],
+                          const double origin[3], eng_f4 *low, eng_f4 *high)
+{
+    eng_f4 a = eng_body_place(x[leaf->v[0]], origin);
+    eng_f4 b = eng_body_place(x[leaf->v[1]], origin);
+    eng_f4 c = eng_body_place(x[leaf->v[2]], origin);
+    *low = eng_min4(eng_min4(a, b), c);
+    *high = eng_max4(eng_max4(a, b), c);
+}
+
+/* The box of no child holds nothing, and so bounds nothing. */
+static void bound_node(const struct eng_body_boxes *boxes, eng_f4 *low, eng_f4 *high)
 {
     for (int k = 0; k < 3; k++) {
-        low[k] = INFINITY;
-        high[k] = -INFINITY;
-        for (int i = 0; i < 4 && children[i] != ENG_BODY_NONE; i++) {
-            double centre = (double)boxes->centre[k][i];
-            double half = (double)boxes->half[k][i];
-            low[k] = eng_least(low[k], centre - half);
-            high[k] = eng_most(high[k], centre + half);
-        }
+        eng_f4 from = boxes->centre[k] - boxes->half[k];
+        eng_f4 to = boxes->centre[k] + boxes->half[k];
+        from = eng_min4(from, __builtin_shufflevector(from, from, 2, 3, 0, 1));
+        to = eng_max4(to, __builtin_shufflevector(to, to, 2, 3, 0, 1));
+        (*low)[k] = from[0] < from[1] ? from[0] : from[1];
+        (*high)[k] = to[0] > to[1] ? to[0] : to[1];
     }
 }
 
-/* Rounded outward: what is added is more than the roundings of bounds, of the centre and
- * of the half take off, however small it is. */
-static void put_box(struct eng_body_boxes *boxes, int which, const double low[3],
-                    const double high[3])
+/* Rounded outward: what is added is more than roundings of bounds, each 2^-24 of what is
+ * at most |centre| + half, and of the half take off, however small it is. */
+static void put_boxes(const struct four_bounds *bounds, struct eng_body_boxes *boxes)
 {
+    eng_f4 low[3];
+    eng_f4 high[3];
+    const eng_f4 *from = bounds->low;
+    const eng_f4 *to = bounds->high;
+    eng_body_transpose(from[0], from[1], from[2], from[3], low);
+    eng_body_transpose(to[0], to[1], to[2], to[3], high);
     for (int k = 0; k < 3; k++) {
-        float centre = (float)(0.5 * (low[k] + high[k]));
-        double half = eng_most(high[k] - (double)centre, (double)centre - low[k]);
-        boxes->centre[k][which] = centre;
-        boxes->half[k][which] =
-            (float)(half * (1 + 0x1p-22) + 0x1p-50 * fabs((double)centre) + 0x1p-120);
-    }
-}
-
-static void put_nothing(struct eng_body_boxes *boxes, int which)
-{
-    for (int k = 0; k < 3; k++) {
-        boxes->centre[k][which] = 0;
-        boxes->half[k][which] = -0x1p120f;
+        eng_f4 centre = 0.5f * (low[k] + high[k]);
+        eng_f4 half = eng_max4(high[k] - centre, centre - low[k]);
+        eng_f4 far = eng_max4(centre, -centre);
+        boxes->centre[k] = centre;
+        boxes->half[k] = half * (1 + 0x1p-21f) + far * 0x1p-22f + 0x1p-120f;
     }
 }
 
@@ -457,20 +468,25 @@ static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *
                        const double origin[3], const double (*x)[3], uint32_t node,
                        struct eng_body_boxes *boxes)
 {
+    const uint32_t *children = tree->children[node];
+    struct four_bounds bounds;
     for (int i = 0; i < 4; i++) {
-        uint32_t child = tree->children[node][i];
-        double low[3];
-        double high[3];
-        if (child == ENG_BODY_NONE) {
-            put_nothing(&boxes[node], i);
+        bounds.low[i] = bounds.high[i] = (eng_f4){0, 0, 0, 0};
+        if (children[i] == ENG_BODY_NONE) {
             continue;
         }
-        if (child & ENG_BODY_LEAF) {
-            bound_leaf(&mesh->leaves[child & ~ENG_BODY_LEAF], x, origin, low, high);
+        if (children[i] & ENG_BODY_LEAF) {
+            bound_corners(&mesh->leaves[children[i] & ~ENG_BODY_LEAF], x, origin,
+                          &bounds.low[i], &bounds.high[i]);
         } else {
-            bound_node(&boxes[child], tree->children[child], low, high);
+            bound_node(&boxes[children[i]], &bounds.low[i], &bounds.high[i]);
         }
-        put_box(&boxes[node], i, low, high);
+    }
+    put_boxes(&bounds, &boxes[node]);
+    for (int i = 0; i < 4 && children[3] == ENG_BODY_NONE; i++) {
+        for (int k = 0; k < 3 && children[i] == ENG_BODY_NONE; k++) {
+            boxes[node].half[k][i] = -0x1p120f; /* holds nothing */
+        }
     }
 }
 

@@ -16,6 +16,7 @@
 
 #include "aabb.h"
 #include "path.h"
+#include "rotation.h"
 #include "topology.h"
 
 #define ENG_BODY_LEAF 0x80000000u /* of a child: the rest is the number of a leaf */
@@ -33,6 +34,26 @@ struct eng_body_tree {
     struct eng_body_boxes *boxes; /* [node_count] at the registered positions */
     uint32_t (*children)[4];      /* [node_count] */
 };
+
+/* Return a place from an origin, rounded: x, y, z, 0. */
+static inline eng_f4 eng_body_place(const double x[3], const double origin[3])
+{
+    const eng_d2 xy = eng_d2_load(x) - eng_d2_load(origin);
+    return (eng_f4){(float)xy[0], (float)xy[1], (float)(x[2] - origin[2]), 0};
+}
+
+/* Set to[k] to coordinate k of each of four places. */
+static inline void eng_body_transpose(eng_f4 x0, eng_f4 x1, eng_f4 x2, eng_f4 x3,
+                                      eng_f4 to[3])
+{
+    eng_f4 low[2] = {__builtin_shufflevector(x0, x1, 0, 4, 1, 5),
+                     __builtin_shufflevector(x2, x3, 0, 4, 1, 5)};
+    eng_f4 high[2] = {__builtin_shufflevector(x0, x1, 2, 6, 2, 6),
+                      __builtin_shufflevector(x2, x3, 2, 6, 2, 6)};
+    to[0] = __builtin_shufflevector(low[0], low[1], 0, 1, 4, 5);
+    to[1] = __builtin_shufflevector(low[0], low[1], 2, 3, 6, 7);
+    to[2] = __builtin_shufflevector(high[0], high[1], 0, 1, 4, 5);
+}
 
 /* Have the tree of a committed mesh, whose account is charged. should_stop is asked every
  * 0.2 ms or so; NULL: never. PCCD_E_AGAIN: it was stopped, or another thread is at it;

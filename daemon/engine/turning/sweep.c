@@ -271,6 +271,7 @@ static inline f4 bow_along(const struct eng_sweep_frame *frame, int from,
 {
     f4 middle = load4(frame->bow_off + from);
     f4 around = all4(0);
+#pragma GCC unroll 3
     for (int c = 0; c < 3; c++) {
         f4 bow = load4(frame->bow[c] + from);
         middle += bow * all4(b->centre[0][c]);
@@ -288,6 +289,7 @@ static float bow_of(const struct eng_sweep_frame *frame, const struct item *b)
 static float way_of(const struct eng_sweep_frame *frame, const struct item *b)
 {
     f4 way = load4(frame->off[1]) - load4(frame->off[0]);
+#pragma GCC unroll 3
     for (int c = 0; c < 3; c++) {
         way += (load4(frame->rb[1][c]) - load4(frame->rb[0][c])) * all4(b->centre[0][c]);
     }
@@ -314,12 +316,17 @@ static void set_boxes(struct item *item, const struct eng_body *body, uint32_t n
     item->size = 0;
     for (int end = 0; end < 2; end++) {
         const struct eng_body_boxes *boxes = &body->boxes[end][node];
-        for (int k = 0; k < 3; k++) {
-            item->centre[end][k] = boxes->centre[k][which];
-            item->half[end][k] = boxes->half[k][which];
-            item->size = most(item->size, item->half[end][k]);
+        f4 half = {boxes->half[0][which], boxes->half[1][which],
+                   boxes->half[2][which], 0};
+        item->centre[end] = (f4){boxes->centre[0][which], boxes->centre[1][which],
+                                 boxes->centre[2][which], 0};
+        item->half[end] = half;
+        item->size = most(item->size, most(most(half[0], half[1]), half[2]));
+        if (body->boxes[0] == body->boxes[1]) {
+            item->centre[1] = item->centre[0];
+            item->half[1] = half;
+            return;
         }
-        item->centre[end][3] = item->half[end][3] = 0;
     }
 }
 
@@ -404,6 +411,7 @@ static inline struct shadow shadow_of_b(const struct eng_sweep_frame *frame, int
 {
     struct shadow shadow = {{load4(frame->off[0] + from), load4(frame->off[1] + from)},
                             bow_along(frame, from, b)};
+#pragma GCC unroll 3
     for (int c = 0; c < 3; c++) {
         f4 at = all4(b->centre[0][c]);
         shadow.centre[0] += load4(frame->rb[0][c] + from) * at;
@@ -420,6 +428,7 @@ static inline struct shadow shadow_of_a(const struct eng_sweep_frame *frame, int
         return (struct shadow){{a->centre[0], a->centre[1]}, a->half};
     }
     struct shadow shadow = {{all4(0), all4(0)}, all4(0)};
+#pragma GCC unroll 3
     for (int c = 0; c < 3; c++) {
         f4 ra = load4(frame->ra[c]);
         shadow.centre[0] += ra * all4(a->centre[0][c]);
@@ -438,6 +447,7 @@ static bool may_meet(struct eng_sweep *sweep, struct eng_sweep_span span,
     f4 margin = all4(margin_of(sweep, frame));
     unsigned apart = 0;
     sweep->box_tests++;
+#pragma GCC unroll 2
     for (int from = 0; from < AXES && apart == 0; from += 4) {
         struct shadow of_a = shadow_of_a(frame, from, &box);
         struct shadow of_b = shadow_of_b(frame, from, b);
@@ -471,11 +481,14 @@ static unsigned may_meet_of_a(struct eng_sweep *sweep, struct eng_sweep_span spa
         }
         at[end] = &between[end];
     }
+#pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
         half[k] = eng_max4(at[0]->half[k], at[1]->half[k]);
     }
+#pragma GCC unroll 2
     for (int from = 0; from < AXES; from += 4) {
         struct shadow of_b = shadow_of_b(frame, from, b);
+#pragma GCC unroll 3
         for (int k = 0; k < 3; k++) {
             f4 c0 = at[0]->centre[k];
             f4 c1 = at[1]->centre[k];
@@ -512,13 +525,16 @@ static unsigned may_meet_of_b(struct eng_sweep *sweep, struct eng_sweep_span spa
     f4 margin = all4(margin_of(sweep, frame));
     eng_i4 apart = {0, 0, 0, 0};
     sweep->box_tests += 4;
+#pragma GCC unroll 2
     for (int from = 0; from < AXES; from += 4) {
         struct shadow of_a = shadow_of_a(frame, from, &box);
         of_a.half += bow_along(frame, from, b);
+#pragma GCC unroll 3
         for (int k = 0; k < 3; k++) {
             f4 c0 = all4(frame->off[0][from + k] - of_a.centre[0][k]);
             f4 c1 = all4(frame->off[1][from + k] - of_a.centre[1][k]);
             f4 h = all4(of_a.half[k]) + margin;
+#pragma GCC unroll 3
             for (int c = 0; c < 3; c++) {
                 c0 += all4(frame->rb[0][c][from + k]) * boxes->centre[c];
                 c1 += all4(frame->rb[1][c][from + k]) * boxes->centre[c];
@@ -583,74 +599,32 @@ static void push_parts(struct eng_sweep *sweep, const struct item *a,
 
 /* ---- two leaves -------------------------------------------------------------------- */
 
-/* Pairs of features of two leaves: vertices of one and the face of the other, edges; or
- * of leaves that are no faces. */
-#define LEAF_PAIRS 15
+/* Pairs of features of two leaves are bits, in groups of three, one for each corner i of
+ * side 0, but for BACK. Group s < 3: edges i and (i + s) % 3, or the points that leaves
+ * are; FORTH: vertex i and the face of side 1; BACK: the face of side 0 and vertex i of
+ * side 1. */
+enum { FORTH = 3, BACK = 4, GROUPS = 5 };
 
-struct leaf_pair {
-    struct eng_sweep_pair pair;
-    uint32_t points[2]; /* of either side: bit i: corner i */
-};
+#define LEAF_PAIRS (3 * GROUPS)
+#define EDGE_PAIRS 0x1ffu
 
-/* The corners of two leaves, as floats from the origins, by axis. */
+/* Squares of vectors that are less are not divided by. */
+#define SQUARE_LEAST 0x1p-80f
+
 struct leaves {
     const struct item *item[2];
-    uint32_t count;
-    struct leaf_pair pairs[LEAF_PAIRS];
-    f4 a[2][3]; /* [end][axis], of each corner, the first once more */
+    const struct eng_face *face[2];
+    bool is_point[2]; /* and has no edges */
+    float scale[2];   /* 1 / size */
+    f4 a[2][3];       /* corners from the origins: at both ends of the step */
     f4 b[3];
+    uint32_t found;
+    double span[LEAF_PAIRS][2]; /* of those that are found */
 };
-
-/* Corners in a span, at both ends of it, along an axis. */
-struct along {
-    f4 a[2];
-    f4 b[2];
-};
-
-#define LEAF_AXES 5
 
 static uint32_t owned_of(const struct eng_face *leaf, uint32_t points)
 {
-    return points == 1 ? leaf->owns & 7u : points == 2 ? leaf->owns >> 3 & 7u : 1;
-}
-
-/* Vertices, or edges, of a place as corners. */
-static uint32_t corners_at(uint32_t points, uint32_t place)
-{
-    return points == 1   ? 1u << place
-           : points == 2 ? 1u << place | 1u << (place + 1) % 3
-                         : 7u;
-}
-
-/* List the pairs of a kind, of which side_a has the first features. */
-static void list_kind(const struct eng_sweep *sweep, struct leaves *leaves,
-                      enum pccd_kind kind, uint32_t side_a)
-{
-    const uint32_t sides[2] = {side_a, 1 - side_a};
-    const struct eng_face *leaf[2];
-    uint32_t owned[2];
-    uint32_t number[2];
-    for (int i = 0; i < 2; i++) {
-        const struct eng_mesh *mesh = sweep->body[sides[i]]->mesh;
-        number[i] = leaves->item[sides[i]]->child & ~ENG_BODY_LEAF;
-        leaf[i] = &mesh->leaves[number[i]];
-        owned[i] = owned_of(leaf[i], common_kinds[kind].points[i]);
-    }
-    for (uint32_t i = 0; i < 9; i++) {
-        uint32_t place[2] = {i / 3, i % 3};
-        if (!(owned[0] >> place[0] & 1) || !(owned[1] >> place[1] & 1)) {
-            continue;
-        }
-        struct leaf_pair *one = &leaves->pairs[leaves->count++];
-        one->pair = (struct eng_sweep_pair){.kind = kind,
-                                            .side_a = side_a,
-                                            .leaf = {number[0], number[1]},
-                                            .place = {place[0], place[1]},
-                                            .span = {2, -1}};
-        for (int k = 0; k < 2; k++) {
-            one->points[sides[k]] = corners_at(common_kinds[kind].points[k], place[k]);
-        }
-    }
+    return points == 1 ? leaf->owns & 7u : leaf->owns >> 3 & 7u;
 }
 
 static bool is_face(const struct eng_face *leaf)
@@ -663,52 +637,75 @@ static bool is_point(const struct eng_face *leaf)
     return !is_face(leaf) && leaf->v[0] == leaf->v[1];
 }
 
-static void list_pairs(const struct eng_sweep *sweep, struct leaves *leaves)
+/* Return the pairs of features that two leaves own. */
+static uint32_t list_pairs(const struct eng_sweep *sweep, struct leaves *leaves)
 {
-    const struct eng_face *leaf[2];
-    for (int side = 0; side < 2; side++) {
-        leaf[side] =
-            &sweep->body[side]->mesh->leaves[leaves->item[side]->child & ~ENG_BODY_LEAF];
-    }
-    leaves->count = 0;
+    uint32_t owned[2];
+    uint32_t pairs = 0;
     for (uint32_t side = 0; side < 2; side++) {
-        if (is_face(leaf[1 - side])) {
-            list_kind(sweep, leaves, PCCD_VF, side);
-        }
-        if (sweep->wants_free && is_point(leaf[side]) && !is_face(leaf[1 - side]) &&
-            !is_point(leaf[1 - side])) {
-            list_kind(sweep, leaves, PCCD_VE, side);
-        }
+        const struct eng_face *leaf = leaves->face[side];
+        const bool meets_face = is_face(leaves->face[1 - side]);
+        leaves->is_point[side] = sweep->wants_free && is_point(leaf) && !meets_face;
+        owned[side] = owned_of(leaf, leaves->is_point[side] ? 1 : 2);
+        pairs |= meets_face ? owned_of(leaf, 1) << 3 * (FORTH + side) : 0;
     }
-    if (sweep->wants_free && is_point(leaf[0]) && is_point(leaf[1])) {
-        list_kind(sweep, leaves, PCCD_VV, 0);
+    for (uint32_t s = 0; s < 3; s++) {
+        pairs |= (owned[0] & (owned[1] >> s | owned[1] << (3 - s))) << 3 * s;
     }
-    list_kind(sweep, leaves, PCCD_EE, 0);
+    return pairs;
 }
 
-static void load_corners(const struct eng_sweep *sweep, struct leaves *leaves)
+/* Name the pair of a bit. */
+static struct eng_sweep_pair pair_of(const struct leaves *leaves, uint32_t bit)
+{
+    const uint32_t group = bit / 3;
+    const uint32_t corner = bit % 3;
+    const bool *is_point = leaves->is_point;
+    const uint32_t place[2] = {group == BACK ? 0 : corner,
+                               group == FORTH ? 0 : (corner + group % BACK) % 3};
+    struct eng_sweep_pair pair = {.kind = PCCD_VF, .side_a = group == BACK};
+    if (group < FORTH) {
+        pair.kind = is_point[0] && is_point[1]   ? PCCD_VV
+                    : is_point[0] || is_point[1] ? PCCD_VE
+                                                 : PCCD_EE;
+        pair.side_a = is_point[1] && !is_point[0];
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        uint32_t side = i == 0 ? pair.side_a : 1 - pair.side_a;
+        pair.leaf[i] = leaves->item[side]->child & ~ENG_BODY_LEAF;
+        pair.place[i] = place[side];
+        pair.span[i] = leaves->span[bit][i];
+    }
+    return pair;
+}
+
+static inline f4 corner_of(const struct eng_body *body, unsigned end, uint32_t vertex)
+{
+    return eng_body_place(body->x[end][vertex], body->origin);
+}
+
+static void load_leaves(const struct eng_sweep *sweep, struct leaves *leaves)
 {
     for (uint32_t side = 0; side < 2; side++) {
         const struct eng_body *body = sweep->body[side];
-        const uint32_t *v =
-            body->mesh->leaves[leaves->item[side]->child & ~ENG_BODY_LEAF].v;
-        for (int i = 0; i < 4; i++) {
-            uint32_t vertex = v[i % 3];
-            for (int k = 0; k < 3; k++) {
-                float x0 = (float)(body->x[0][vertex][k] - body->origin[k]);
-                float x1 = (float)(body->x[1][vertex][k] - body->origin[k]);
-                if (side == 0) {
-                    leaves->a[0][k][i] = x0;
-                    leaves->a[1][k][i] = x1;
-                } else {
-                    leaves->b[k][i] = x0;
-                }
+        const uint32_t leaf = leaves->item[side]->child & ~ENG_BODY_LEAF;
+        const bool stands = body->boxes[0] == body->boxes[1];
+        leaves->face[side] = &body->mesh->leaves[leaf];
+        leaves->scale[side] = 1 / leaves->item[side]->size;
+        for (int i = 0; i < 3; i++) {
+            uint32_t vertex = leaves->face[side]->v[i];
+            f4 x = corner_of(body, 0, vertex);
+            if (side == 1) {
+                leaves->b[i] = x;
+            } else {
+                leaves->a[0][i] = x;
+                leaves->a[1][i] = stands ? x : corner_of(body, 1, vertex);
             }
         }
     }
 }
 
-/* The corners of both in a span: at both ends [end][axis]. */
+/* Corners in a span, at both ends of it. */
 struct corners {
     f4 a[2][3];
     f4 b[2][3];
@@ -717,189 +714,487 @@ struct corners {
     float margin;
 };
 
+static void set_bow_of(const struct eng_sweep_frame *frame, const struct item *b,
+                       struct corners *corners)
+{
+    corners->bow = load4(frame->bow_off);
+    corners->bow_around = all4(0);
+#pragma GCC unroll 3
+    for (int c = 0; c < 3; c++) {
+        corners->bow += load4(frame->bow[c]) * all4(b->centre[0][c]);
+        corners->bow_around += abs4(load4(frame->bow[c])) * all4(b->half[0][c]);
+    }
+}
+
 static void set_corners(const struct eng_sweep_frame *frame, const struct leaves *leaves,
                         struct corners *corners)
 {
-    const struct item *item = leaves->item[1];
-    corners->bow = load4(frame->bow_off);
-    corners->bow_around = all4(0);
-    for (int c = 0; c < 3; c++) {
-        corners->bow += load4(frame->bow[c]) * all4(item->centre[0][c]);
-        corners->bow_around += abs4(load4(frame->bow[c])) * all4(item->half[0][c]);
-    }
+    set_bow_of(frame, leaves->item[1], corners);
+#pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
-        for (int k = 0; k < 3; k++) {
-            f4 from = leaves->a[0][k];
-            corners->a[end][k] = from + (leaves->a[1][k] - from) * all4(frame->t[end]);
-            corners->b[end][k] = all4(frame->off[end][k]);
-            for (int c = 0; c < 3; c++) {
-                corners->b[end][k] += all4(frame->rb[end][c][k]) * leaves->b[c];
-            }
+        const f4 off = load4(frame->off[end]);
+        const f4 x = load4(frame->rb[end][0]);
+        const f4 y = load4(frame->rb[end][1]);
+        const f4 z = load4(frame->rb[end][2]);
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; i++) {
+            const f4 b = leaves->b[i];
+            corners->a[end][i] = mix(leaves->a[0][i], leaves->a[1][i], frame->t[end]);
+            corners->b[end][i] = off + x * all4(b[0]) + y * all4(b[1]) + z * all4(b[2]);
         }
     }
 }
 
-/* Set the unit vector across two vectors; zeros if there is none. */
-static void set_across(const double u[3], const double v[3], float n[3])
+/* Return whether an axis of side 0 keeps two leaves apart. */
+static bool are_leaves_apart(const struct corners *corners)
 {
-    double c[3];
-    eng_cross(c, u, v);
-    double length = sqrt(eng_dot(c, c));
-    for (int k = 0; k < 3; k++) {
-        n[k] = length > 0 && length < INFINITY ? (float)(c[k] / length) : 0;
-    }
-}
-
-/* Set the mean of an edge at both ends, twice. */
-static void set_edge(const f4 x[2][3], uint32_t from, uint32_t to, double edge[3])
-{
-    for (int k = 0; k < 3; k++) {
-        f4 sum = x[0][k] + x[1][k];
-        edge[k] = (double)sum[to] - (double)sum[from];
-    }
-}
-
-static void set_normal(const f4 x[2][3], float n[3])
-{
-    double u[3];
-    double v[3];
-    set_edge(x, 0, 1, u);
-    set_edge(x, 0, 2, v);
-    set_across(u, v, n);
-}
-
-static void set_along(const struct corners *corners, const float n[3],
-                      struct along *along)
-{
+    f4 above = all4(INFINITY); /* how far b is above a, and below it */
+    f4 below = all4(INFINITY);
+#pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
         const f4 *a = corners->a[end];
         const f4 *b = corners->b[end];
-        along->a[end] = all4(n[0]) * a[0] + all4(n[1]) * a[1] + all4(n[2]) * a[2];
-        along->b[end] = all4(n[0]) * b[0] + all4(n[1]) * b[1] + all4(n[2]) * b[2];
+        f4 low_a = eng_min4(eng_min4(a[0], a[1]), a[2]);
+        f4 high_a = eng_max4(eng_max4(a[0], a[1]), a[2]);
+        f4 low_b = eng_min4(eng_min4(b[0], b[1]), b[2]);
+        f4 high_b = eng_max4(eng_max4(b[0], b[1]), b[2]);
+        above = eng_min4(above, low_b - high_a);
+        below = eng_min4(below, low_a - high_b);
     }
+    f4 margin = (abs4(corners->bow) + corners->bow_around) * all4(1 + 0x1p-18f) +
+                all4(corners->margin);
+    return (bits_of(eng_max4(above, below) > margin) & 7u) != 0;
 }
 
-/* Return how far apart corners of both have to be along an axis. */
-static float margin_along(const struct corners *corners, const float n[3])
+/* Vectors, one in each of three lanes: of the corners of a leaf, or of edges that begin
+ * there. The last lane has what is of no use. */
+struct vectors {
+    f4 x[3]; /* by axis */
+};
+
+static inline struct vectors vectors_of(const f4 x[3])
 {
-    float bow = 0;
-    float around = 0;
+    struct vectors v;
+    eng_body_transpose(x[0], x[1], x[2], x[2], v.x);
+    return v;
+}
+
+/* Move lanes, so that each has that of the next corner. */
+static inline f4 next4(f4 x)
+{
+    return __builtin_shufflevector(x, x, 1, 2, 0, 1);
+}
+
+static inline struct vectors next_of(const struct vectors *v)
+{
+    return (struct vectors){{next4(v->x[0]), next4(v->x[1]), next4(v->x[2])}};
+}
+
+static inline f4 dot4(const struct vectors *u, const struct vectors *v)
+{
+    return u->x[0] * v->x[0] + u->x[1] * v->x[1] + u->x[2] * v->x[2];
+}
+
+static inline f4 sqrt4(f4 x)
+{
+#ifdef __SSE__
+    return __builtin_ia32_sqrtps(x);
+#else
+    return (f4){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
+#endif
+}
+
+/* Return unit vectors across two of unit size, about; zeros where these are almost
+ * parallel. */
+static inline struct vectors across4(const struct vectors *u, const struct vectors *v)
+{
+    struct vectors n;
+#pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
-        bow += n[k] * corners->bow[k];
-        around += fabsf(n[k]) * corners->bow_around[k];
+        int i = (k + 1) % 3;
+        int j = (k + 2) % 3;
+        n.x[k] = u->x[i] * v->x[j] - u->x[j] * v->x[i];
     }
-    return (fabsf(bow) + around) * (1 + 0x1p-18f) + corners->margin;
+    f4 square = dot4(&n, &n);
+    eng_i4 is_known = square > all4(SQUARE_LEAST);
+    f4 inverse = all4(1) / sqrt4(eng_max4(square, all4(SQUARE_LEAST)));
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        n.x[k] = (f4)((eng_i4)(n.x[k] * inverse) & is_known);
+    }
+    return n;
 }
 
-#define O 0.0f
-#define X INFINITY
-/* By which corners count: infinity for those that do not. */
-static const f4 left_out[8] = {{X, X, X, X}, {O, X, X, O}, {X, O, X, X}, {O, O, X, O},
-                               {X, X, O, X}, {O, X, O, O}, {X, O, O, X}, {O, O, O, O}};
-#undef O
-#undef X
+/* Two leaves in a span, at both ends of it, by corners. */
+struct shapes {
+    struct vectors a[2];
+    struct vectors b[2];
+    struct vectors edge[2]; /* of either side, of unit size, about: the mean of ends */
+};
 
-/* Return whether some corners of either are apart along an axis at both ends. */
-static inline bool are_apart_along(const struct along *along, uint32_t of_a,
-                                   uint32_t of_b, float margin)
+static void set_shapes(const struct leaves *leaves, const struct corners *corners,
+                       struct shapes *shapes)
 {
-    f4 out_a = left_out[of_a];
-    f4 out_b = left_out[of_b];
-    float above = INFINITY; /* how far b is above a, and below it */
-    float below = INFINITY;
     for (int end = 0; end < 2; end++) {
-        f4 a = along->a[end];
-        f4 b = along->b[end];
-        above = least(above, least_of(b + out_b) + least_of(out_a - a));
-        below = least(below, least_of(a + out_a) + least_of(out_b - b));
+        shapes->a[end] = vectors_of(corners->a[end]);
+        shapes->b[end] = vectors_of(corners->b[end]);
     }
-    return above > margin || below > margin;
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        f4 a = shapes->a[0].x[k] + shapes->a[1].x[k];
+        f4 b = shapes->b[0].x[k] + shapes->b[1].x[k];
+        shapes->edge[0].x[k] = (next4(a) - a) * all4(leaves->scale[0]);
+        shapes->edge[1].x[k] = (next4(b) - b) * all4(leaves->scale[1]);
+    }
 }
 
-/* Return whether edges are apart along what is across both. */
-static bool are_apart_across(const struct corners *corners, const struct leaf_pair *one)
+/* Return how far apart corners of both have to be along an axis in each lane. */
+static inline f4 margin_along(const struct corners *corners, const struct vectors *n)
 {
-    uint32_t place_a = one->pair.place[0];
-    uint32_t place_b = one->pair.place[1];
-    double edge[2][3];
-    float n[3];
-    struct along along;
-    set_edge(corners->a, place_a, (place_a + 1) % 3, edge[0]);
-    set_edge(corners->b, place_b, (place_b + 1) % 3, edge[1]);
-    set_across(edge[0], edge[1], n);
-    set_along(corners, n, &along);
-    return are_apart_along(&along, one->points[0], one->points[1],
-                           margin_along(corners, n));
+    f4 bow = all4(0);
+    f4 around = all4(0);
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        bow += n->x[k] * all4(corners->bow[k]);
+        around += abs4(n->x[k]) * all4(corners->bow_around[k]);
+    }
+    return (abs4(bow) + around) * all4(1 + 0x1p-18f) + all4(corners->margin);
 }
 
-/* Find which features of two leaves may meet in a span in which their boxes may. */
-static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves,
+static inline f4 least_corner(f4 x)
+{
+    return eng_min4(eng_min4(x, next4(x)), next4(next4(x)));
+}
+
+static inline f4 most_corner(f4 x)
+{
+    return eng_max4(eng_max4(x, next4(x)), next4(next4(x)));
+}
+
+/* Return the pairs that are apart by more than the margin at both ends, on the same side,
+ * along an axis on which corners of either lie there. */
+static uint32_t apart_along(const f4 a[2], const f4 b[2], f4 margin)
+{
+    f4 above[GROUPS]; /* how far b is above a, and below it */
+    f4 below[GROUPS];
+    uint32_t apart = 0;
+#pragma GCC unroll 5
+    for (int i = 0; i < GROUPS; i++) {
+        above[i] = below[i] = all4(INFINITY);
+    }
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        f4 x = a[end];
+        f4 y = b[end];
+        f4 low = eng_min4(y, next4(y));
+        f4 high = eng_max4(y, next4(y));
+        above[FORTH] = eng_min4(above[FORTH], least_corner(y) - x);
+        below[FORTH] = eng_min4(below[FORTH], x - most_corner(y));
+        above[BACK] = eng_min4(above[BACK], y - most_corner(x));
+        below[BACK] = eng_min4(below[BACK], least_corner(x) - y);
+#pragma GCC unroll 3
+        for (int s = 0; s < 3; s++) {
+            above[s] = eng_min4(above[s], low - eng_max4(x, next4(x)));
+            below[s] = eng_min4(below[s], eng_min4(x, next4(x)) - high);
+            low = next4(low);
+            high = next4(high);
+        }
+    }
+#pragma GCC unroll 5
+    for (int i = 0; i < GROUPS; i++) {
+        apart |= (bits_of(eng_max4(above[i], below[i]) > margin) & 7u) << 3 * i;
+    }
+    return apart;
+}
+
+/* Return those of the pairs that are not apart across either leaf. */
+static uint32_t near_across(const struct corners *corners, const struct shapes *shapes,
+                            uint32_t pairs)
+{
+    for (int side = 0; side < 2 && pairs != 0; side++) {
+        struct vectors next = next_of(&shapes->edge[side]);
+        struct vectors n = across4(&shapes->edge[side], &next);
+        n = (struct vectors){{all4(n.x[0][0]), all4(n.x[1][0]), all4(n.x[2][0])}};
+        const f4 a[2] = {dot4(&n, &shapes->a[0]), dot4(&n, &shapes->a[1])};
+        const f4 b[2] = {dot4(&n, &shapes->b[0]), dot4(&n, &shapes->b[1])};
+        pairs &= ~apart_along(a, b, margin_along(corners, &n));
+    }
+    return pairs;
+}
+
+/* Return those of the pairs that are not apart along an axis of side 0. */
+static uint32_t near_by_axes(const struct corners *corners, const struct shapes *shapes,
+                             uint32_t pairs)
+{
+    for (int k = 0; k < 3 && pairs != 0; k++) {
+        const f4 a[2] = {shapes->a[0].x[k], shapes->a[1].x[k]};
+        const f4 b[2] = {shapes->b[0].x[k], shapes->b[1].x[k]};
+        float bow = fabsf(corners->bow[k]) + corners->bow_around[k];
+        pairs &= ~apart_along(a, b, all4(bow * (1 + 0x1p-18f) + corners->margin));
+    }
+    return pairs;
+}
+
+/* Return those of the pairs that are not apart along what is across two edges. */
+static uint32_t near_across_edges(const struct corners *corners,
+                                  const struct shapes *shapes, uint32_t pairs)
+{
+    struct vectors b[2] = {shapes->b[0], shapes->b[1]};
+    struct vectors edge = shapes->edge[1];
+    uint32_t apart = 0;
+    for (int s = 0; s < 3 && (pairs & EDGE_PAIRS) != 0; s++) {
+        const struct vectors n = across4(&shapes->edge[0], &edge);
+        f4 above = all4(INFINITY);
+        f4 below = all4(INFINITY);
+#pragma GCC unroll 2
+        for (int end = 0; end < 2; end++) {
+            const struct vectors a_next = next_of(&shapes->a[end]);
+            const struct vectors b_next = next_of(&b[end]);
+            f4 a0 = dot4(&n, &shapes->a[end]);
+            f4 a1 = dot4(&n, &a_next);
+            f4 b0 = dot4(&n, &b[end]);
+            f4 b1 = dot4(&n, &b_next);
+            above = eng_min4(above, eng_min4(b0, b1) - eng_max4(a0, a1));
+            below = eng_min4(below, eng_min4(a0, a1) - eng_max4(b0, b1));
+            b[end] = b_next;
+        }
+        edge = next_of(&edge);
+        apart |= (bits_of(eng_max4(above, below) > margin_along(corners, &n)) & 7u)
+                 << 3 * s;
+    }
+    return pairs & ~apart;
+}
+
+/* Return those of the pairs that may meet in a span, if `closely`; else rather more. */
+static uint32_t near_in(struct eng_sweep *sweep, const struct leaves *leaves,
+                        struct eng_sweep_span span, uint32_t pairs, bool closely)
+{
+    struct corners corners;
+    struct shapes shapes;
+    const struct eng_sweep_frame *frame = frame_of(sweep, span);
+    corners.margin = margin_of(sweep, frame);
+    set_corners(frame, leaves, &corners);
+    if (are_leaves_apart(&corners)) {
+        return 0;
+    }
+    set_shapes(leaves, &corners, &shapes);
+    pairs = near_across(&corners, &shapes, pairs);
+    if (closely) {
+        pairs = near_by_axes(&corners, &shapes, pairs);
+        pairs = near_across_edges(&corners, &shapes, pairs);
+    }
+    return pairs;
+}
+
+/* Return those of the pairs that may meet in a span up to t_end: ask of shorter and
+ * shorter first parts of it. Pairs that a later t_end leaves out an earlier one does,
+ * too. */
+static uint32_t near_early(struct eng_sweep *sweep, const struct leaves *leaves,
+                           struct eng_sweep_span span, uint32_t pairs)
+{
+    while (pairs != 0 && span.depth < DEPTH_MAX &&
+           sweep->t_end < begin_of(half_of(span, 1))) {
+        span = half_of(span, 0);
+        pairs = near_in(sweep, leaves, span, pairs, true);
+    }
+    return pairs;
+}
+
+/* Find which pairs of two leaves may meet in a span in which their boxes may. */
+static void look_at_leaves(struct eng_sweep *sweep, struct leaves *leaves, uint32_t pairs,
                            struct eng_sweep_span span)
 {
     const struct item *a = leaves->item[0];
     const struct item *b = leaves->item[1];
-    float axes[LEAF_AXES][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    struct along along[LEAF_AXES];
-    float margin[LEAF_AXES];
-    struct corners corners;
     if (begin_of(span) > sweep->t_end || sweep->stops) {
         return;
     }
     look(sweep, 4);
     sweep->leaf_tests++;
-    const struct eng_sweep_frame *frame = frame_of(sweep, span);
-    corners.margin = margin_of(sweep, frame);
-    set_corners(frame, leaves, &corners);
-    set_normal(corners.a, axes[3]);
-    set_normal(corners.b, axes[4]);
-    for (int i = 0; i < LEAF_AXES; i++) {
-        set_along(&corners, axes[i], &along[i]);
-        margin[i] = margin_along(&corners, axes[i]);
-        if (are_apart_along(&along[i], 7, 7, margin[i])) {
-            return;
-        }
-    }
     float size = most(most(least(a->size, b->size), sweep->margin),
                       LARGER_PART * most(a->size, b->size));
-    if (is_long(sweep, span, b, LEAF_BEND_PART * size, LEAF_MOTION_PART * size)) {
-        look_at_leaves(sweep, leaves, half_of(span, 0));
-        look_at_leaves(sweep, leaves, half_of(span, 1));
+    bool is_cut = is_long(sweep, span, b, LEAF_BEND_PART * size, LEAF_MOTION_PART * size);
+    pairs = near_in(sweep, leaves, span, pairs, !is_cut);
+    if (is_cut && pairs != 0) {
+        look_at_leaves(sweep, leaves, pairs, half_of(span, 0));
+        look_at_leaves(sweep, leaves, pairs, half_of(span, 1));
         return;
     }
-    for (uint32_t n = 0; n < leaves->count; n++) {
-        struct leaf_pair *one = &leaves->pairs[n];
-        bool is_apart = false;
-        for (int i = 0; i < LEAF_AXES && !is_apart; i++) {
-            is_apart =
-                are_apart_along(&along[i], one->points[0], one->points[1], margin[i]);
-        }
-        if (!is_apart && one->pair.kind == PCCD_EE) {
-            is_apart = are_apart_across(&corners, one);
-        }
-        if (!is_apart) {
-            double begin = begin_of(span);
-            double end = begin + length_of(span);
-            one->pair.span[0] = fmin(one->pair.span[0], begin);
-            one->pair.span[1] = fmax(one->pair.span[1], end);
-        }
+    pairs = near_early(sweep, leaves, span, pairs);
+    for (uint32_t left = pairs; left != 0; left &= left - 1) {
+        double *found = leaves->span[__builtin_ctz(left)];
+        found[0] = leaves->found & left & -left ? found[0] : begin_of(span);
+        found[1] = begin_of(span) + length_of(span); /* they come in the order of time */
     }
+    leaves->found |= pairs;
 }
 
 static void join_leaves(struct eng_sweep *sweep, const struct item *a,
                         const struct item *b, uint32_t first)
 {
-    struct leaves leaves = {.item = {a, b}};
-    load_corners(sweep, &leaves);
-    list_pairs(sweep, &leaves);
-    for (uint32_t i = first; i < sweep->span_count && leaves.count > 0; i++) {
-        look_at_leaves(sweep, &leaves, sweep->spans[i]);
+    struct leaves leaves;
+    leaves.item[0] = a;
+    leaves.item[1] = b;
+    leaves.found = 0;
+    load_leaves(sweep, &leaves);
+    const uint32_t pairs = list_pairs(sweep, &leaves);
+    for (uint32_t i = first; i < sweep->span_count && pairs != 0; i++) {
+        look_at_leaves(sweep, &leaves, pairs, sweep->spans[i]);
     }
-    for (uint32_t n = 0; n < leaves.count && !sweep->stops; n++) {
-        if (leaves.pairs[n].pair.span[0] <= sweep->t_end &&
-            !sweep->take(sweep->owner, &leaves.pairs[n].pair)) {
+    for (uint32_t left = leaves.found; left != 0 && !sweep->stops; left &= left - 1) {
+        const struct eng_sweep_pair pair =
+            pair_of(&leaves, (uint32_t)__builtin_ctz(left));
+        if (pair.span[0] <= sweep->t_end && !sweep->take(sweep->owner, &pair)) {
             sweep->stops = true;
         }
     }
+}
+
+/* ---- a leaf and four --------------------------------------------------------------- */
+
+/* Corners of leaves from the origins, those of one leaf in each lane. */
+struct four {
+    struct vectors a[2][3]; /* at both ends of the step, or of a span */
+    struct vectors b[2][3];
+};
+
+/* Load corners of a leaf into all lanes. */
+static void load_one(const struct eng_body *body, unsigned end, uint32_t child,
+                     struct vectors to[3])
+{
+    const uint32_t *v = body->mesh->leaves[child & ~ENG_BODY_LEAF].v;
+    for (int i = 0; i < 3; i++) {
+        f4 x = corner_of(body, end, v[i]);
+        to[i] = (struct vectors){{all4(x[0]), all4(x[1]), all4(x[2])}};
+    }
+}
+
+/* Load those of the children that are leaves. */
+static void load_four(const struct eng_body *body, unsigned end,
+                      const uint32_t children[4], struct vectors to[3])
+{
+    f4 x[4][3] = {{{0}}};
+    for (int n = 0; n < 4; n++) {
+        if (children[n] != ENG_BODY_NONE && children[n] & ENG_BODY_LEAF) {
+            const uint32_t *v = body->mesh->leaves[children[n] & ~ENG_BODY_LEAF].v;
+            for (int i = 0; i < 3; i++) {
+                x[n][i] = corner_of(body, end, v[i]);
+            }
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        eng_body_transpose(x[0][i], x[1][i], x[2][i], x[3][i], to[i].x);
+    }
+}
+
+static void place_four(const struct eng_sweep_frame *frame, bool stands,
+                       const struct four *from, struct four *to)
+{
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            f4 x = all4(frame->rb[end][0][k]);
+            f4 y = all4(frame->rb[end][1][k]);
+            f4 z = all4(frame->rb[end][2][k]);
+            f4 off = all4(frame->off[end][k]);
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; i++) {
+                const struct vectors *b = &from->b[0][i];
+                f4 a = from->a[0][i].x[k];
+                to->a[end][i].x[k] =
+                    stands ? a : mix(a, from->a[1][i].x[k], frame->t[end]);
+                to->b[end][i].x[k] = off + x * b->x[0] + y * b->x[1] + z * b->x[2];
+            }
+        }
+    }
+}
+
+/* Return unit vectors across leaves, or zeros. */
+static struct vectors normals_of(const struct vectors x[2][3], float scale)
+{
+    struct vectors edge[2];
+#pragma GCC unroll 2
+    for (int i = 0; i < 2; i++) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            f4 from = x[0][0].x[k] + x[1][0].x[k];
+            edge[i].x[k] = (x[0][i + 1].x[k] + x[1][i + 1].x[k] - from) * all4(scale);
+        }
+    }
+    return across4(&edge[0], &edge[1]);
+}
+
+static unsigned four_apart(const struct four *four, const struct vectors *n, f4 margin)
+{
+    f4 above = all4(INFINITY);
+    f4 below = all4(INFINITY);
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        f4 a[3];
+        f4 b[3];
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; i++) {
+            a[i] = dot4(n, &four->a[end][i]);
+            b[i] = dot4(n, &four->b[end][i]);
+        }
+        above = eng_min4(above, eng_min4(eng_min4(b[0], b[1]), b[2]) -
+                                    eng_max4(eng_max4(a[0], a[1]), a[2]));
+        below = eng_min4(below, eng_min4(eng_min4(a[0], a[1]), a[2]) -
+                                    eng_max4(eng_max4(b[0], b[1]), b[2]));
+    }
+    return bits_of(eng_max4(above, below) > margin);
+}
+
+/* Take from the children that may meet a leaf in spans the leaves that are apart from it
+ * across either of the two; returns those that are left in any span. */
+static unsigned near_leaves(struct eng_sweep *sweep, const struct item *a,
+                            const struct item *b, uint32_t first, uint32_t end)
+{
+    const bool opens_a = !is_leaf(a);
+    const struct eng_body *const *body = sweep->body;
+    const bool stands = body[0]->boxes[0] == body[0]->boxes[1];
+    const struct eng_body_tree *tree = eng_body_tree_of(body[opens_a ? 0 : 1]->mesh);
+    const uint32_t *children = tree->children[opens_a ? a->child : b->child];
+    struct four leaves;
+    struct four placed;
+    unsigned others = 0; /* that are no leaves */
+    unsigned any = 0;
+    for (unsigned i = 0; i < 4; i++) {
+        others |= (children[i] & ENG_BODY_LEAF ? 0u : 1u) << i;
+    }
+    for (unsigned at = 0; at < (stands ? 1 : 2); at++) {
+        if (opens_a) {
+            load_four(body[0], at, children, leaves.a[at]);
+        } else {
+            load_one(body[0], at, a->child, leaves.a[at]);
+        }
+    }
+    if (opens_a) {
+        load_one(body[1], 0, b->child, leaves.b[0]);
+    } else {
+        load_four(body[1], 0, children, leaves.b[0]);
+    }
+    for (uint32_t i = first; i < end; i++) {
+        struct eng_sweep_span *span = &sweep->spans[i];
+        unsigned near = span->children;
+        if ((near & ~others) != 0) {
+            const struct eng_sweep_frame *frame = frame_of(sweep, *span);
+            struct corners corners;
+            corners.margin = margin_of(sweep, frame);
+            set_bow_of(frame, b, &corners);
+            place_four(frame, stands, &leaves, &placed);
+            for (int side = 0; side < 2 && (near & ~others) != 0; side++) {
+                float size = side == 0 ? a->size : b->size;
+                struct vectors n =
+                    normals_of(side == 0 ? placed.a : placed.b, 1 / size);
+                near &= others | ~four_apart(&placed, &n, margin_along(&corners, &n));
+            }
+        }
+        span->children = (uint16_t)near;
+        any |= near;
+    }
+    return any;
 }
 
 /* ---- two nodes --------------------------------------------------------------------- */
@@ -958,6 +1253,9 @@ static void join(struct eng_sweep *sweep, const struct item *a, const struct ite
                                : may_meet_of_b(sweep, *span, a, b, boxes[0]));
         any |= span->children;
         look(sweep, 1);
+    }
+    if (any != 0 && is_leaf(opens_a ? b : a)) {
+        any = near_leaves(sweep, a, b, first, end);
     }
     while (any != 0 && !sweep->stops) {
         uint32_t which = soonest(sweep, first, end, any);
