@@ -106,6 +106,11 @@ void progress_update(struct progress *progress, uint64_t done)
     progress->drawn_ns = now;
 }
 
+bool progress_is_drawn(void)
+{
+    return is_drawn != 0;
+}
+
 void progress_clear(struct progress *progress)
 {
     if (progress->is_on && progress->drawn_ns != 0) {

@@ -58,6 +58,8 @@ struct progress {
 void progress_begin(struct progress *progress, const char *label, uint64_t total);
 /* Draw that `done` of the total are done, unless the bar was drawn a moment ago. */
 void progress_update(struct progress *progress, uint64_t done);
+/* Return whether a bar stands there, which another one would overwrite. */
+bool progress_is_drawn(void);
 /* Take the bar away, to print lines or at the end; the next update draws it again. */
 void progress_clear(struct progress *progress);
 

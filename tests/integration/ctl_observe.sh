@@ -179,6 +179,11 @@ if command -v script >/dev/null; then
         </dev/null >bars
     grep -q '^runs \[' <(tr '\r' '\n' <bars) && [ "$(tail -c 4 bars | od -An -c | tr -d ' ')" = '\r033[K' ]
     report progress__goes_when_the_command_is_ended
+    # If it failed, who waits for a large file would not know for what, and how long.
+    { yes '# a comment that takes its time' | head -c 17000000; echo; cat a.obj; } >large.obj
+    on_terminal 80 "$PCCDCTL" check --repeat 0 large.obj b.obj &&
+        says '^reading \(MiB\) \[#*\.*\] [0-9]+/16$' '^contacts +1:'
+    report progress__of_a_large_file
     on_terminal 40 "$PCCDCTL" load --seconds 0.3 a.obj b.obj &&
         says '^playing \(ms\) \[#*\.*\] [0-9]+/300$' && grep '^playing' out >bars &&
         mv bars out && fits 39 >"$log"
@@ -190,6 +195,7 @@ if command -v script >/dev/null; then
     report check__shows_its_repetitions
 else
     tap_skip top__fits_the_terminal "script is not installed"
+    tap_skip progress__of_a_large_file "script is not installed"
     tap_skip progress__fits_the_terminal "script is not installed"
     tap_skip check__shows_its_repetitions "script is not installed"
 fi

@@ -9,6 +9,8 @@
 #include "confined.h"
 #include "meshfile.h"
 
+#define LONG_BYTES (16u << 20) /* takes a part of a second to read */
+
 static bool is_json(const struct ctl_file *file)
 {
     const char *start = ctl_file_start(file);
@@ -236,7 +238,11 @@ int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
         made.part.number = like->part.number;
         made.part.count = like->part.count;
     }
+    if (file.size >= LONG_BYTES && !progress_is_drawn()) { /* of many frames */
+        progress_begin(&file.progress, "reading (MiB)", file.size >> 20);
+    }
     status = parse(&file, &made);
+    progress_clear(&file.progress);
     if (status == PCCD_OK && like != NULL) {
         status = ctl_mesh_cut_like(like, &made, error);
     } else if (status == PCCD_OK && !reading->is_uncut) {

@@ -93,6 +93,7 @@ static void read_up_to(struct ctl_file *file, size_t bytes)
             file->has_more = got > 0;
             file->bytes += (size_t)got;
             look_for_hole(file, file->bytes - (size_t)got);
+            progress_update(&file->progress, (file->offset + file->bytes) >> 20);
         } else if (errno != EINTR) {
             file->status =
                 ctl_error_set(file->error, PCCD_E_SYSTEM, "%s: cannot read: %s",
@@ -179,6 +180,7 @@ void ctl_file_deinit(struct ctl_file *file)
         (void)close(file->fd);
     }
     free(file->data);
+    progress_clear(&file->progress);
     *file = (struct ctl_file){.path = file->path};
 }
 

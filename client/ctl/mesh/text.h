@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "error.h"
+#include "terminal.h"
 
 /* A run of characters in the file, not terminated. */
 struct ctl_word {
@@ -43,6 +44,7 @@ struct ctl_file {
     uint64_t line_last; /* read, counted from 1 */
     uint64_t size;      /* when it was opened; 0: a pipe */
     size_t capacity;    /* of data */
+    struct progress progress; /* on while a mesh is read of it; mebibytes */
     int fd;
     bool is_open, has_more; /* fd; behind the window */
     bool is_text;
