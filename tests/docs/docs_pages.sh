@@ -45,6 +45,19 @@ done <"$work/commands" >"$log"
 # If it failed, help would show no use of a command, or one that is refused.
 tap_result $? help__shows_two_examples_of_each_command "$log"
 
+for page in client/README.md CONTRIBUTING.md proto/PROTOCOL.md client/man/pccd.7.scd; do
+    lists=$(head -n 30 "$top_srcdir/$page" | grep -cE '^([1-5]\. |\. [A-Z])')
+    [ "$lists" -eq 5 ] || echo "$page begins with $lists things to read, not 5"
+done >"$log"
+for line in './bootstrap demo ' './bootstrap check '; do
+    head -n 20 "$top_srcdir/README.md" | grep -qF "    $line" || echo "README.md lacks $line"
+done >>"$log"
+awk 'length > 100 { print "README.md: " $0 } END { if (NR != 90) print "README.md has " NR " lines" }' \
+    "$top_srcdir/README.md" >>"$log"
+[ ! -s "$log" ]
+# If it failed, whoever opens a page would not know where to begin.
+tap_result $? pages__begin_with_what_to_read_first "$log"
+
 "$top_builddir/pccdd" --help | options | grep -vE -- '--(help|usage|version)' |
     missing pccdd.8.scd >"$log"
 [ ! -s "$log" ]
