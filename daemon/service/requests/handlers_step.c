@@ -173,8 +173,9 @@ static void answer_early(struct srv_request *request, enum pccd_incomplete why)
     struct srv_ring *ring = request->plan.ring;
     struct proto_answer answer;
     struct proto_error error = {0};
-    bool moves =
-        params.slot.segments > 0 && srv_request_state(request) != SRV_REQUEST_OPEN;
+    bool is_open =
+        atomic_load_explicit(&request->state, memory_order_acquire) == SRV_REQUEST_OPEN;
+    bool moves = params.slot.segments > 0 && !is_open;
     uint64_t bytes = 0;
     uint64_t copy_bytes = 0;
     uint8_t *copy = NULL;
@@ -187,7 +188,8 @@ static void answer_early(struct srv_request *request, enum pccd_incomplete why)
         (void)srv_stage_keep(ring, &params.slot, bytes, &copy, &copy_bytes, &error);
     }
     srv_step_nothing(request, why, &answer);
-    answer.ns_queue = common_now_ns() - request->arrival_ns;
+    answer.ns_queue =
+        (is_open ? request->begin_ns : common_now_ns()) - request->arrival_ns;
     answer.release = /* storing it changes nothing */
         atomic_load_explicit(&ring->shared->result_head.value, memory_order_relaxed);
     bool can = copy != NULL || !moves;

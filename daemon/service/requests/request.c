@@ -67,11 +67,10 @@ bool srv_is_step(int method)
 void srv_request_move(struct srv_request *request, enum srv_request_state to)
 {
     static const uint16_t from[SRV_REQUEST_STATES] = {
-        [SRV_REQUEST_QUEUED] = FROM(NEW) | FROM(OPEN),
-        [SRV_REQUEST_OPEN] = FROM(QUEUED),
+        [SRV_REQUEST_QUEUED] = FROM(NEW),
         [SRV_REQUEST_BRIEF] = FROM(NEW),
         [SRV_REQUEST_MOVED] = FROM(BRIEF),
-        [SRV_REQUEST_EARLY] = FROM(QUEUED) | FROM(OPEN),
+        [SRV_REQUEST_EARLY] = FROM(QUEUED),
         [SRV_REQUEST_OWED] = FROM(QUEUED) | FROM(BRIEF) | FROM(MOVED),
         [SRV_REQUEST_TRIED] = FROM(QUEUED) | FROM(MOVED),
         [SRV_REQUEST_REPLIED] = FROM(QUEUED) | FROM(MOVED),
@@ -97,9 +96,9 @@ static bool leave_open(struct srv_request *request, enum srv_request_state to)
 
 void srv_request_open(struct srv_request *request)
 {
-    if (request->plan.answer_early != NULL &&
-        srv_request_state(request) == SRV_REQUEST_QUEUED) {
-        srv_request_move(request, SRV_REQUEST_OPEN);
+    enum srv_request_state queued = SRV_REQUEST_QUEUED;
+    if (request->plan.answer_early != NULL) { /* pairs with the load in answer_early */
+        (void)atomic_compare_exchange_strong(&request->state, &queued, SRV_REQUEST_OPEN);
     }
 }
 
