@@ -13,7 +13,8 @@ import tempfile
 import unittest
 
 from page import Page
-from scene import FRAMES, NAME, RADIUS, Scene, ThickScene, pccdctl, positions
+from scene import (FRAMES, NAME, RADIUS, Scene, ThickScene, pccdctl, positions,
+                   record_frames)
 
 MIB = 1 << 20
 
@@ -59,8 +60,9 @@ class Options(unittest.TestCase):
     # If it failed, nobody would see in the page that a step left out what stands.
     def test_page__counts_what_stood_still(self):
         where = self.made.name
-        said = pccdctl("record", "-o", "rest.rec", "--", os.environ["PCCDCTL"], "check",
-                       "--json", *["frame3.ply"] * 4, folder=where).stdout
+        frames = ["frame3.ply"] * 4
+        record_frames("rest.rec", frames, where)
+        said = pccdctl("check", "--json", *frames, folder=where).stdout
         pccdctl("inspect", "rest.rec", "-o", "rest.html", folder=where)
         told = json.loads(said)["steps"][2]["counters"]
         step = Page(os.path.join(where, "rest.html")).meta["steps"][2]

@@ -58,6 +58,12 @@ def pccdctl(*arguments, check=True, folder=None):
     return done
 
 
+def record_frames(name, frames, folder):
+    """Of the steps alone: check would also ask what crosses between them."""
+    pccdctl("record", "-o", name, "--", os.environ["PCCDCTL"], "load", *frames,
+            folder=folder)
+
+
 class Scene:
     """The recording in `folder`, with the steps that check told of."""
 
@@ -67,9 +73,9 @@ class Scene:
             write_frame(os.path.join(folder, name), i)
         self.folder = folder
         self.path = os.path.join(folder, NAME)
-        said = pccdctl("record", "-o", NAME, "--", os.environ["PCCDCTL"], "check",
-                       "--json", "--contacts", "contacts.csv", "--geometry", *frames,
-                       folder=folder).stdout
+        record_frames(NAME, frames, folder)
+        said = pccdctl("check", "--json", "--contacts", "contacts.csv", "--geometry",
+                       *frames, folder=folder).stdout
         self.steps = json.loads(said)["steps"]
         with open(os.path.join(folder, "contacts.csv"), newline="") as rows:
             self.contacts = list(csv.DictReader(rows))
