@@ -549,6 +549,17 @@ class Opened(InBrowser):
         self.assertGreater(os.path.getsize(path), 20000)
 
 
+# Colours some pixels above and below the middle of the first contact's dot.
+DOT = """
+    const {index, t, picked} = pccd.state.values;
+    const [x, y] = pccd.view.placeOf(pccd.data.step(index), picked[0], t);
+    pccd.view.picture();
+    const view = document.getElementById('view');
+    const copy = new OffscreenCanvas(view.width, view.height).getContext('2d');
+    copy.drawImage(view, 0, 0);
+    const ratio = view.width / view.clientWidth;
+    return [-2, 2].map((away) =>
+      [...copy.getImageData(Math.round(x * ratio), Math.round(y * ratio) + away, 1, 1).data]);"""
 IN_SIGHT = "return pccd.view.partInSight(pccd.data.step(pccd.state.values.index))"
 
 
@@ -582,6 +593,14 @@ class Objects(InBrowser):
         self.browser.click("#go-first")
         self.assertIn(" of peg", self.facts("detail-facts")["first"])
         self.assertEqual(self.browser.said(), [])
+
+    # If it failed, half of a contact's dot would be within the face that it lies on.
+    def test_dot__is_whole_on_a_face_that_is_tilted(self):
+        self.open(self.objects.page)
+        self.browser.run("pccd.state.set({chosen: -1, wires: false})")
+        self.browser.frames(3)
+        above, below = self.browser.run(DOT)
+        self.assertLess(max(abs(a - b) for a, b in zip(above, below)), 60)
 
     # If it failed, half of the page would be of no use for two frames.
     def test_one_step__has_no_part_that_does_nothing(self):
@@ -617,6 +636,15 @@ class Objects(InBrowser):
         self.assertEqual(self.browser.said(), [])
 
 
+# Plates of the view that lie over each other.
+PLATES = """
+    const plates = ["#fit", "#wires", "#xray", "#up", "#hierarchy", ".legend", "#axes"]
+      .map((name) => [name, document.querySelector(name).getBoundingClientRect()])
+      .filter(([, box]) => box.width > 0);
+    return plates.flatMap(([a, one], i) => plates.slice(i + 1)
+      .filter(([, other]) => one.left < other.right && other.left < one.right
+        && one.top < other.bottom && other.top < one.bottom)
+      .map(([b]) => `${a} ${b}`));"""
 # What reaches beyond the sides of the page, or lies over its neighbour below.
 BEYOND = """
     const wide = document.documentElement.clientWidth;
@@ -642,6 +670,16 @@ SMALL = """
 
 
 class Phone(InBrowser):
+    # If it failed, words of the legend would be under the axes, or buttons under others.
+    def test_plates__lie_beside_each_other_in_any_width(self):
+        self.addCleanup(self.browser.resize_back)
+        self.open()
+        self.browser.run("document.getElementById('engine').open = true")
+        for wide, high in ((1400, 900), (1100, 760), (950, 700), (400, 800)):
+            self.browser.resize(wide, high)
+            self.browser.frames(3)
+            self.assertEqual(self.browser.run(PLATES), [], wide)
+
     # If it failed, the page would be shrunk on a phone until its sides fit, with buttons
     # that no finger hits, or what is under the view could not be reached.
     def test_page__fits_a_phone(self):

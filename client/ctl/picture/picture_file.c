@@ -81,7 +81,7 @@ static void show_marks(const struct picture *picture, const struct sink *sink)
     }
 }
 
-/* Take the next line of a text: as many of its words as have room. False: none is left. */
+/* Take the next line of a text: as many words as have room. False: none is left. */
 static bool take_line(const struct sink *sink, const char **text, char line[LINE_BYTES])
 {
     const uint32_t wide = sink->canvas->raster.width - 2 * LEFT * sink->unit;

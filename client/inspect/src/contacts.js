@@ -250,8 +250,8 @@ export function makeContacts(data, state, fly) {
     byId("range-clear").hidden = !isCut;
     byId("range-clear").textContent = `${filters.range.map((t) => digits(t * greatest)).join(" – ")}  ✕`;
     const measure = measureOf(step);
-    byId("histogram").hidden = measure === null;
-    byId("order-box").hidden = measure === null;
+    byId("histogram").hidden = measure === null || greatest === 0;
+    byId("order-box").hidden = measure === null || greatest === 0;
     byId("order").options[0].textContent = measure?.name ?? "time";
     const all = step.contacts.count;
     const hint = picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;

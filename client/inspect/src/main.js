@@ -140,7 +140,7 @@ function makeCaption(data, state) {
     const isBusiest = data.meta.steps.length > 1 && index === busiestOf(data) && step.answer.total > 0;
     const which = `${step.near ? "question" : "step"} ${step.number}${isBusiest ? `, with the most ${nounOf(step)[1]}` : ""}`;
     byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t)}`;
-    byId("scale-box").hidden = measure === null || picked.length === 0;
+    byId("scale-box").hidden = measure === null || picked.length === 0 || greatest === 0;
     byId("scale").style.background = scaleGradient();
     byId("scale-text").textContent = step.near ? "distance" : "time of impact";
     byId("scale-end").textContent = digits(greatest);

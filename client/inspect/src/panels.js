@@ -52,7 +52,7 @@ function fact(name, value, title = "") {
 function nearFacts({ answer, asked }) {
   const { distance_min: least, distance_max: greatest, crossings, verdict } = answer;
   return [
-    ...(least === null ? [] : [fact("least distance", digits(least)),
+    ...(least === null || least === greatest ? [] : [fact("least distance", digits(least)),
       fact("greatest", digits(greatest), "distance; of depth: how deep one is in the other")]),
     ...(asked.crossings ? [fact("crossings", count(crossings), "edges that pass through faces")] : []),
     ...(VERDICTS[verdict] ? [fact("intersects", VERDICTS[verdict])] : []),

@@ -12,7 +12,8 @@ import { extentOf, makeObjects } from "./objects.js";
 import { groundMaterial, upVector } from "./shaders.js";
 
 const FLY_MS = 450;
-const FIT_ROOM = 0.94; // what is seen is rounder than its box
+const FIT_ROOM = 1.08; // around what is seen
+const LEGEND_PART = 0.07; // of the half height: so much higher it is seen, above the legend
 const POINT_MAX = 11; // pixels across
 const POINT_MIN = 5;
 const PICK_PIXELS = { mouse: 14, touch: 30 };
@@ -178,7 +179,10 @@ export function makeScene(canvas, onMove) {
       if (extent) {
         const direction = viewDirection(up);
         const away = FIT_ROOM * distanceToSee(extent, direction);
-        flyTo(extent.middle.clone(), extent.middle.clone().addScaledVector(direction, away), isAtOnce);
+        const above = upVector(up).addScaledVector(direction, -upVector(up).dot(direction)).normalize();
+        const lift = LEGEND_PART * away * Math.tan((camera.fov * Math.PI) / 360);
+        const target = extent.middle.clone().addScaledVector(above, -lift);
+        flyTo(target, target.clone().addScaledVector(direction, away), isAtOnce);
       }
     },
     /** Look at a contact from outside of the face, or of where it is now: with the scene around it,

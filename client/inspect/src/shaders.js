@@ -189,6 +189,7 @@ export function pointMaterial(uniforms) {
     depthWrite: false,
     vertexShader: `${MOVE}
 uniform float size;
+uniform float pixel; // its size at the distance 1
 attribute vec3 colour;
 attribute float toi;
 varying vec3 shade;
@@ -198,7 +199,7 @@ void main() {
   lit = toi <= t + 1e-6 ? 1.0 : 0.0;
   shade = colour;
   gl_PointSize = size * (lit > 0.5 ? 1.0 : 0.62);
-  at.xyz -= normalize(at.xyz) * length(at.xyz) * 0.004;
+  at.xyz *= 1.0 - max(0.004, 1.5 * size * pixel); // before the surface that it lies on, if tilted
   gl_Position = projectionMatrix * at;
 }`,
     fragmentShader: `

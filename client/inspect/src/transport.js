@@ -70,6 +70,7 @@ export function makeTransport(data, state, goTo) {
   state.on(["index"], ({ index }) => {
     step.value = String(index);
     step.setAttribute("aria-valuetext", `step ${steps[index].number}`);
+    byId("step-word").textContent = steps[index].near ? "Question" : "Step";
     byId("step-number").textContent = steps[index].number;
     byId("step-last").textContent = steps[steps.length - 1].number;
     byId("time-slide").hidden = Boolean(steps[index].near); // nothing moves

@@ -66,7 +66,7 @@ function whereText(step) {
 
 /** What a question about what is near asked for: its records as [one, many]. */
 function nearNoun({ near, asked }) {
-  const within = asked.distance === null ? "" : ` within ${digits(asked.distance)}`;
+  const within = asked.distance === null ? "" : asked.distance === 0 ? " that touch" : ` within ${digits(asked.distance)}`;
   return {
     pairs: [`pair of features${within}`, `pairs of features${within}`],
     features: [`closest feature${within}`, `closest features${within}`],
