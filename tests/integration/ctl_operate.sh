@@ -202,7 +202,8 @@ else
     kill -STOP "$daemon"
     { cd slow && get /health; } &
     waiting=$!
-    sleep 0.3 && get / && status_is 404 &&
+    asks() { [ "$(ls -l "/proc/$server/fd" | grep -c socket:)" -ge 3 ]; } # listens, is asked, asks
+    soon asks && get / && status_is 404 &&
         kill -0 "$waiting" && kill -CONT "$daemon" && wait "$waiting" && grep -q '^200 ' slow/status
     report "${names[2]}"
     # If it failed, an operator could not see whose work fills the machine.
