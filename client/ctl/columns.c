@@ -228,7 +228,7 @@ void columns_text(FILE *to, uint32_t indent, const char *text)
 
 #define LINE_BYTES  2048u
 #define INDENT_MAX  24u
-#define INDENT_LESS 11u /* below a longer head */
+#define INDENT_LESS 2u /* below a line without one, or with a longer one */
 
 struct fitted {
     FILE *to;
@@ -236,7 +236,8 @@ struct fitted {
     size_t length;
 };
 
-/* A line, without its end; below goes on what stands behind the first two blanks. */
+/* Print a line, without its end: what stands behind the first two blanks, its head, goes
+ * on below. */
 static void print_fitted(struct fitted *fitted)
 {
     char *line = fitted->line;

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "columns.h"
 #include "ctl.h"
 #include "doctor.h"
 #include "link.h"
@@ -194,9 +195,10 @@ static int finish(const struct daemon *daemon, const struct drain_options *optio
 {
     bool waits = options->wait_s > 0, has_ended = false;
     if (!options->is_json) {
-        printf("%s is given up; the daemon has %" PRIu32 " %s, and ends with the last\n",
-               tool_shown(daemon->socket.path), daemon->sessions,
-               proto_plural(daemon->sessions, "client", "clients"));
+        fprintf(columns_fitted(stdout),
+                "%s is given up; the daemon has %" PRIu32 " %s, and ends with the last\n",
+                tool_shown(daemon->socket.path), daemon->sessions,
+                proto_plural(daemon->sessions, "client", "clients"));
         (void)fflush(stdout);
     }
     if (waits && daemon->process < 0) {

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "columns.h"
 #include "output.h"
 #include "printable.h"
 #include "shown.h"
@@ -193,12 +194,15 @@ static void print_side(const struct replay_item *item, const char *name,
     char text[PROTO_HASH_BYTES];
     proto_hash_text(item->hash_version, side->hash, text);
     if (side->status != PCCD_OK) {
-        printf("  %s  %s\n", name, pccd_status_name(side->status));
+        fprintf(columns_fitted(stdout), "  %s  %s\n", name,
+                pccd_status_name(side->status));
     } else if (item->is_near) {
-        printf("  %s  %s, %" PRIu64 " records\n", name, text, side->total);
+        fprintf(columns_fitted(stdout), "  %s  %s, %" PRIu64 " records\n", name, text,
+                side->total);
     } else {
-        printf("  %s  %s, %" PRIu64 " records, the first at t = %.9g\n", name, text,
-               side->total, side->toi_first);
+        fprintf(columns_fitted(stdout),
+                "  %s  %s, %" PRIu64 " records, the first at t = %.9g\n", name, text,
+                side->total, side->toi_first);
     }
 }
 
@@ -208,34 +212,38 @@ void replay_print_text(const struct replay_counts *counts,
     const struct record_begin *begin = &summary->begin;
     const struct replay_item *first = &counts->first;
     const uint64_t *of = counts->of, all = compared(counts);
-    printf("recording   %" PRIu64 " %s", summary->frames,
-           proto_plural(summary->frames, "step", "steps"));
+    fprintf(columns_fitted(stdout), "recording   %" PRIu64 " %s", summary->frames,
+            proto_plural(summary->frames, "step", "steps"));
     if (summary->questions > 0) {
-        printf(", %" PRIu64 " %s about what is near", summary->questions,
-               proto_plural(summary->questions, "question", "questions"));
+        fprintf(columns_fitted(stdout), ", %" PRIu64 " %s about what is near",
+                summary->questions,
+                proto_plural(summary->questions, "question", "questions"));
     }
-    printf(" by process %" PRIu32 ", libpccd %s, %s\n", begin->pid,
-           tool_shown_field(begin->library, sizeof begin->library),
-           tool_shown_field(begin->cpu, sizeof begin->cpu));
-    printf("compared    %" PRIu64 " %s in %.2f s: %" PRIu64 " the same, %" PRIu64
-           " not\n",
-           all, proto_plural(all, "answer", "answers"), summary->seconds, of[REPLAY_SAME],
-           of[REPLAY_DIFFERS]);
+    fprintf(columns_fitted(stdout), " by process %" PRIu32 ", libpccd %s, %s\n",
+            begin->pid, tool_shown_field(begin->library, sizeof begin->library),
+            tool_shown_field(begin->cpu, sizeof begin->cpu));
+    fprintf(columns_fitted(stdout),
+            "compared    %" PRIu64 " %s in %.2f s: %" PRIu64 " the same, %" PRIu64
+            " not\n",
+            all, proto_plural(all, "answer", "answers"), summary->seconds,
+            of[REPLAY_SAME], of[REPLAY_DIFFERS]);
     if (of[REPLAY_UNANSWERED] + of[REPLAY_INCOMPLETE] + of[REPLAY_SKIPPED] > 0) {
-        printf("not         %" PRIu64 " without an answer, %" PRIu64
-               " incomplete, %" PRIu64 " that had failed by chance\n",
-               of[REPLAY_UNANSWERED], of[REPLAY_INCOMPLETE], of[REPLAY_SKIPPED]);
+        fprintf(columns_fitted(stdout),
+                "not         %" PRIu64 " without an answer, %" PRIu64
+                " incomplete, %" PRIu64 " that had failed by chance\n",
+                of[REPLAY_UNANSWERED], of[REPLAY_INCOMPLETE], of[REPLAY_SKIPPED]);
     }
     if (of[REPLAY_OTHER_PAIRS] > 0) {
-        printf("not         %" PRIu64
-               " in mode pairs, recorded when it compared boxes in "
-               "single precision\n",
-               of[REPLAY_OTHER_PAIRS]);
+        fprintf(columns_fitted(stdout),
+                "not         %" PRIu64
+                " in mode pairs, recorded when it compared boxes in "
+                "single precision\n",
+                of[REPLAY_OTHER_PAIRS]);
     }
     if (of[REPLAY_DIFFERS] > 0) {
-        printf("%s %" PRIu64 " has another %s\n",
-               first->is_near ? "what is near, question" : "step", first->step,
-               replay_whats[first->what]);
+        fprintf(columns_fitted(stdout), "%s %" PRIu64 " has another %s\n",
+                first->is_near ? "what is near, question" : "step", first->step,
+                replay_whats[first->what]);
         print_side(first, "expected", &first->expected);
         print_side(first, "got     ", &first->got);
     }

@@ -30,30 +30,34 @@ static const char *point_name(const uint32_t points[2], uint32_t point, char tex
 static void print_witness(const struct verify_witness *witness)
 {
     const struct pccd_pair *pair = &witness->pair;
-    printf("FAIL: step %" PRIu64 ": %s\n", witness->step, witness->what);
+    fprintf(columns_fitted(stdout), "FAIL: step %" PRIu64 ": %s\n", witness->step,
+            witness->what);
     if (!witness->has_pair) {
         return;
     }
     const uint32_t *points = common_kinds[pair->kind].points;
-    printf("  %s %" PRIu32 " of object 0x%" PRIx32 ", %s %" PRIu32 " of object 0x%" PRIx32
-           "\n",
-           common_feature_names[points[0]], pair->feature_a, pair->object_a,
-           common_feature_names[points[1]], pair->feature_b, pair->object_b);
+    fprintf(columns_fitted(stdout),
+            "  %s %" PRIu32 " of object 0x%" PRIx32 ", %s %" PRIu32
+            " of object 0x%" PRIx32 "\n",
+            common_feature_names[points[0]], pair->feature_a, pair->object_a,
+            common_feature_names[points[1]], pair->feature_b, pair->object_b);
     if (witness->has_claim) {
-        printf("  claimed: first contact in [%a, %a]\n", witness->toi, witness->toi_hi);
+        fprintf(columns_fitted(stdout), "  claimed: first contact in [%a, %a]\n",
+                witness->toi, witness->toi_hi);
     }
     if (witness->has_contact) {
-        printf("  exact:   first contact in [%a, %a], t = %.9g\n", witness->lo,
-               witness->hi, witness->lo);
+        fprintf(columns_fitted(stdout),
+                "  exact:   first contact in [%a, %a], t = %.9g\n", witness->lo,
+                witness->hi, witness->lo);
     } else {
-        printf("  exact:   no contact\n");
+        fprintf(columns_fitted(stdout), "  exact:   no contact\n");
     }
     for (uint32_t i = 0; i < 8; i++) {
         char name[16];
         if (i % 4 < points[0] + points[1]) {
-            printf("  %-8s at t = %" PRIu32 ": %a %a %a\n",
-                   point_name(points, i % 4, name), i / 4, witness->p[i][0],
-                   witness->p[i][1], witness->p[i][2]);
+            fprintf(columns_fitted(stdout), "  %-8s at t = %" PRIu32 ": %a %a %a\n",
+                    point_name(points, i % 4, name), i / 4, witness->p[i][0],
+                    witness->p[i][1], witness->p[i][2]);
         }
     }
 }
@@ -143,12 +147,13 @@ static void print_unchecked(const struct verify_report *report)
                strcmp(all[end].why, all[i].why) == 0) {
             end++;
         }
-        printf("not checked: %s %" PRIu64, all[i].is_near ? "question" : "step",
-               all[i].step);
+        fprintf(columns_fitted(stdout), "not checked: %s %" PRIu64,
+                all[i].is_near ? "question" : "step", all[i].step);
         if (end > i + 1) {
-            printf(" to %" PRIu64 " (%zu)", all[end - 1].step, end - i);
+            fprintf(columns_fitted(stdout), " to %" PRIu64 " (%zu)", all[end - 1].step,
+                    end - i);
         }
-        printf(": %s\n", all[i].why);
+        fprintf(columns_fitted(stdout), ": %s\n", all[i].why);
     }
 }
 
@@ -162,32 +167,37 @@ void verify_print_text(const struct verify_report *report)
     if (report->witness != NULL || !has_checked(counts)) {
         return;
     }
-    printf(
+    fprintf(
+        columns_fitted(stdout),
         "PASS: %" PRIu64 " %s, %" PRIu64 " %s and %" PRIu64 " %s by exact arithmetic",
         counts->steps, proto_plural(counts->steps, "step", "steps"), counts->contacts,
         proto_plural(counts->contacts, "contact", "contacts"), counts->non_contacts,
         proto_plural(counts->non_contacts, "pair that is none", "pairs that are none"));
     if (counts->possible > 0) {
-        printf(", %" PRIu64 " possible %s not contradicted", counts->possible,
-               proto_plural(counts->possible, "one", "ones"));
+        fprintf(columns_fitted(stdout), ", %" PRIu64 " possible %s not contradicted",
+                counts->possible, proto_plural(counts->possible, "one", "ones"));
     }
     if (counts->turning > 0) {
-        printf(", %" PRIu64 " of bodies that turn not fully told by intervals",
-               counts->turning);
+        fprintf(columns_fitted(stdout),
+                ", %" PRIu64 " of bodies that turn not fully told by intervals",
+                counts->turning);
     }
     if (counts->unchecked > 0) {
-        printf(", %" PRIu64 " %s without an answer to check", counts->unchecked,
-               proto_plural(counts->unchecked, "step", "steps"));
+        fprintf(columns_fitted(stdout), ", %" PRIu64 " %s without an answer to check",
+                counts->unchecked, proto_plural(counts->unchecked, "step", "steps"));
     }
     if (counts->nears > 0) {
-        printf("; %" PRIu64 " %s about what is near with %" PRIu64 " %s", counts->nears,
-               proto_plural(counts->nears, "question", "questions"), counts->near_records,
-               proto_plural(counts->near_records, "record", "records"));
+        fprintf(columns_fitted(stdout),
+                "; %" PRIu64 " %s about what is near with %" PRIu64 " %s", counts->nears,
+                proto_plural(counts->nears, "question", "questions"),
+                counts->near_records,
+                proto_plural(counts->near_records, "record", "records"));
     }
     if (counts->nears_unchecked > 0) {
-        printf(", %" PRIu64 " of them not checked", counts->nears_unchecked);
+        fprintf(columns_fitted(stdout), ", %" PRIu64 " of them not checked",
+                counts->nears_unchecked);
     }
-    putchar('\n');
+    fputc('\n', columns_fitted(stdout));
 }
 
 #define OF(member) COLUMN_OF(struct verify_counts, member)
