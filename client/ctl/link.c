@@ -102,6 +102,12 @@ void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked)
     }
 }
 
+bool ctl_link_is_direct(const struct ctl_link *link)
+{
+    const char *url = link->url != NULL ? link->url : getenv("PCCD_URL");
+    return !link->is_private && url != NULL && strcmp(url, "direct:") == 0;
+}
+
 int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
 {
     struct pccd_options asked;

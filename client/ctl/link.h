@@ -44,6 +44,8 @@ extern const struct option_table ctl_query_table;
 /* Set what to connect with, as it was asked for; `link` keeps the strings. */
 void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked);
 
+/* Return whether direct: computes in this process; after it was opened. */
+bool ctl_link_is_direct(const struct ctl_link *link);
 /* Connect, or complain. Returns an exit status. */
 int ctl_link_open(const struct ctl_link *link, struct pccd_client **client);
 void ctl_link_deinit(struct ctl_link *link);

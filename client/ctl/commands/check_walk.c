@@ -27,6 +27,11 @@ struct walk {
     struct objects objects;
     struct contacts_csv csv;
     struct judge_ends ends;
+    /* The step that was made last, while its end is not looked at. */
+    struct judged pending;
+    bool has_pending, can_wait;
+    int pending_status; /* of looking meanwhile */
+    struct ctl_error pending_error;
     uint32_t ahead; /* a frame that was read while a step was computed; 0: none was */
     int ahead_status;
     struct ctl_error ahead_error;
@@ -171,23 +176,40 @@ static int ask_crossings(void *context, struct crossings *to, struct ctl_error *
     return crossings_ask(to, &walk->run, NULL, 0, error);
 }
 
-static int make_step(struct walk *walk, uint32_t number, struct judged *judged,
-                     struct ctl_error *error)
+/* Look at the end of the step that was made last, and say what is known of it. */
+static int end_step(struct walk *walk, struct ctl_error *error)
 {
+    struct judged *judged = &walk->pending;
     struct report_step *step = &judged->report;
-    *judged = (struct judged){.number = number};
-    step->from = scene_frame_name(&walk->scene, number - 1);
-    step->to = scene_frame_name(&walk->scene, number);
+    if (!walk->has_pending) {
+        return PCCD_OK;
+    }
+    walk->has_pending = false;
+    int status = walk->is_judged ? judge_ends_look(&walk->ends, &walk->run,
+                                                   judged->number, step, error)
+                                 : PCCD_OK;
     walk->ends.follow.count = 0;
     walk->ends.follow.is_whole = true;
-    int status =
-        check_run_step(&walk->run, &walk->scene, number, &walk->csv, step, error);
-    if (status != PCCD_OK) {
-        return status;
+    if (status == PCCD_OK &&
+        (judged_fails(judged) || (!step->ends.is_known && report_meets(step)))) {
+        status =
+            failing_keep(&walk->failing, &walk->run, &walk->scene, judged->number, error);
     }
-    judged_set(judged, walk->run.told.names);
-    return walk->is_judged ? judge_ends_look(&walk->ends, &walk->run, number, step, error)
-                           : PCCD_OK;
+    if (status == PCCD_OK) {
+        status = put(walk, judged, error);
+    }
+    if (status == PCCD_OK) {
+        take(walk, judged);
+    }
+    if (walk->csv.whole.to != NULL) {
+        (void)fflush(walk->csv.whole.to);
+    }
+    if (walk->steps != NULL) {
+        walk->steps[judged->number - 1] = *step;
+    } else {
+        free(step->pairs);
+    }
+    return status;
 }
 
 /* Return whether a file is a pipe, which may have nothing yet: what is known by then is
@@ -204,10 +226,46 @@ static bool has_pipe(const struct scene *scene)
     return has;
 }
 
-/* Read the frame after the next one. */
-static void read_ahead(void *context)
+/* Return whether the end of a step may be looked at while the next one is computed:
+ * nobody waits for its line while a pipe has nothing yet, or direct: computes, and no
+ * step is made again to be shown. */
+static bool may_wait(const struct walk *walk)
+{
+    return walk->is_judged && !has_pipe(&walk->scene) &&
+           !ctl_link_is_direct(&walk->command->check.ask.link) &&
+           walk->command->failing.page == NULL && walk->command->failing.film == NULL;
+}
+
+/* Make a step. Its end is looked at while the next one is computed, if it can be without
+ * asking the daemon. */
+static int make_step(struct walk *walk, uint32_t number, struct ctl_error *error)
+{
+    struct judged judged = {.number = number};
+    struct report_step *step = &judged.report;
+    step->from = scene_frame_name(&walk->scene, number - 1);
+    step->to = scene_frame_name(&walk->scene, number);
+    int status =
+        check_run_step(&walk->run, &walk->scene, number, &walk->csv, step, error);
+    if (walk->pending_status != PCCD_OK) {
+        *error = walk->pending_error;
+        status = walk->pending_status;
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    judged_set(&judged, walk->run.told.names);
+    walk->pending = judged;
+    walk->has_pending = true;
+    return walk->can_wait && judge_ends_follow(&walk->ends, walk->run.settings.mode, step)
+               ? PCCD_OK
+               : end_step(walk, error);
+}
+
+/* While a step is computed: end the one before, and read the frame after it. */
+static void go_ahead(void *context)
 {
     struct walk *walk = context;
+    walk->pending_status = end_step(walk, &walk->pending_error);
     if (walk->at + 2 <= walk->end) {
         walk->ahead = walk->at + 2;
         walk->ahead_status = scene_read(&walk->scene, walk->ahead, &walk->ahead_error);
@@ -237,32 +295,18 @@ static int walk_steps(struct walk *walk, struct ctl_error *error)
 {
     int status = PCCD_OK;
     for (uint32_t i = walk->at + 1; i <= walk->end && status == PCCD_OK; i++) {
-        struct judged judged = {.number = i};
         if (i > 1) {
             status = read_frame(walk, i, error);
         }
         if (status == PCCD_OK) {
-            status = make_step(walk, i, &judged, error);
+            status = make_step(walk, i, error);
         }
-        if (status == PCCD_OK &&
-            (judged_fails(&judged) ||
-             (!judged.report.ends.is_known && report_meets(&judged.report)))) {
-            status = failing_keep(&walk->failing, &walk->run, &walk->scene, i, error);
-        }
-        if (status == PCCD_OK) {
-            status = put(walk, &judged, error);
-        }
-        if (status == PCCD_OK) {
-            take(walk, &judged);
-        }
-        if (walk->csv.whole.to != NULL) {
-            (void)fflush(walk->csv.whole.to);
-        }
-        if (walk->steps != NULL) {
-            walk->steps[i - 1] = judged.report;
-        } else {
-            free(judged.report.pairs);
-        }
+    }
+    struct ctl_error end_error = {.text = ""};
+    int ended = end_step(walk, &end_error);
+    if (status == PCCD_OK && ended != PCCD_OK) {
+        *error = end_error;
+        status = ended;
     }
     progress_clear(&walk->progress);
     return status;
@@ -439,7 +483,8 @@ static int walk_alone(struct walk *walk, struct ctl_error *error)
         status = follow_begin(&walk->ends.follow, &walk->scene, error);
         status = status == PCCD_OK ? look_at_first(walk, error) : status;
     }
-    walk->run.meanwhile = has_pipe(&walk->scene) ? NULL : read_ahead;
+    walk->can_wait = may_wait(walk);
+    walk->run.meanwhile = has_pipe(&walk->scene) ? NULL : go_ahead;
     walk->run.note = note_page;
     walk->run.owner = walk;
     progress_begin(&walk->progress, "runs",

@@ -89,11 +89,10 @@ int failing_begin(struct failing *failing, const struct ctl_link *link,
                   struct check_run *run, struct ctl_error *error)
 {
     struct frames_recording tried = {.name = "the steps that fail"};
-    const char *url = link->url != NULL ? link->url : getenv("PCCD_URL");
     if (!is_asked(failing)) {
         return PCCD_OK;
     }
-    if (url != NULL && strcmp(url, "direct:") == 0) {
+    if (ctl_link_is_direct(link)) {
         return ctl_error_set(error, PCCD_E_STATE,
                              "--page and --film want a daemon, which records the steps "
                              "that fail: not with direct:");

@@ -162,26 +162,28 @@ static void set_begin(const struct crossings *begin, struct pccd_answer *answer)
     }
 }
 
-/* Return whether all that meets in the step is known: what crosses at its end is beside
- * that, or crossed at its begin. What slides may go on to cross, and was left out. */
-static bool can_follow(const struct judge_ends *ends, enum pccd_mode mode,
+/* All that meets in the step is known: what crosses at its end is beside that, or crossed
+ * at its begin. What slides may go on to cross, and was left out. */
+bool judge_ends_follow(const struct judge_ends *ends, enum pccd_mode mode,
                        const struct report_step *step)
 {
-    return !ends->leaves_out && step->is_complete && ends->begin.is_complete &&
-           (!report_meets(step) || (ends->follow.scene != NULL && mode == PCCD_MODE_ALL &&
-                                    ends->follow.is_whole));
+    return !ends->leaves_out && step->is_complete && ends->end.is_complete &&
+           ((!report_meets(step) && ends->end.count == 0) ||
+            (ends->follow.scene != NULL && mode == PCCD_MODE_ALL &&
+             ends->follow.is_whole));
 }
 
 int judge_ends_look(struct judge_ends *ends, const struct check_run *run, uint32_t number,
                     struct report_step *step, struct ctl_error *error)
 {
     static const struct crossings none;
+    const bool follows = judge_ends_follow(ends, run->settings.mode, step);
     const struct crossings spare = ends->begin;
     int status;
     ends->begin = ends->end;
     ends->end = spare;
     set_begin(&ends->begin, &step->answer);
-    if (can_follow(ends, run->settings.mode, step)) {
+    if (follows) {
         status =
             follow_crossings(&ends->follow, run, number, &ends->begin, &ends->end, error);
     } else {

@@ -92,6 +92,10 @@ struct judge_ends {
     struct crossings first, begin, end; /* of the first frame, and of the last step */
 };
 
+/* Return whether that is found without asking, of a step in that mode that begins where
+ * the one before ended. */
+bool judge_ends_follow(const struct judge_ends *ends, enum pccd_mode mode,
+                       const struct report_step *step);
 /* Find what crosses where a step ends; it begins where the one before ended, and `end`
  * says what crosses there. Sets how the step begins, and step->ends. Errors: those of
  * `ask` and follow_crossings. */

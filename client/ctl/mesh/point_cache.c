@@ -16,7 +16,6 @@
 
 #include "meshfile.h"
 
-#define PIECE_BYTES  ((size_t)12 * 5461)
 #define VERTEX_BYTES ((uint64_t)12)
 
 /* Where in a header things are. */
@@ -127,7 +126,7 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
     const struct cache *cache = motion->state;
     const uint64_t bytes = VERTEX_BYTES * motion->vertex_count;
     const uint64_t first = cache->first_byte + bytes * frame;
-    char piece[PIECE_BYTES];
+    const uint64_t count = bytes / sizeof(float);
     float *to = x;
     if (first + bytes > ctl_file_size(file)) {
         char before[40];
@@ -135,25 +134,25 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
         return refuse_size(file, before, motion->frame_count, motion->vertex_count,
                            cache->bytes, error);
     }
-    for (uint64_t at = 0; at < bytes; at += sizeof piece) {
-        size_t now = bytes - at < sizeof piece ? (size_t)(bytes - at) : sizeof piece;
-        int status = read_at(file, first + at, piece, now, error);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        for (size_t i = 0; i < now; i += 4, to++) {
-            *to = float_at(cache, piece + i);
-            if (!common_is_coordinate((double)*to)) {
-                uint64_t index = (at + i) / 4;
-                return ctl_error_set(error, PCCD_E_NOTFINITE,
-                                     "%s: byte %" PRIu64 ", frame %" PRIu32
-                                     ", vertex %" PRIu64 ": coordinate %c is %g",
-                                     file->path, first + at + i, frame, index / 3,
-                                     "xyz"[index % 3], (double)*to);
-            }
-        }
+    int status = read_at(file, first, x, bytes, error);
+    if (status != PCCD_OK) {
+        return status;
     }
-    return PCCD_OK;
+    bool is_right = true;
+    for (uint64_t i = 0; i < count; i++) {
+        to[i] = float_at(cache, (const char *)&to[i]);
+        is_right = is_right & common_is_coordinate((double)to[i]);
+    }
+    uint64_t index = 0;
+    while (!is_right && common_is_coordinate((double)to[index])) {
+        index++;
+    }
+    return is_right ? PCCD_OK
+                    : ctl_error_set(error, PCCD_E_NOTFINITE,
+                                    "%s: byte %" PRIu64 ", frame %" PRIu32
+                                    ", vertex %" PRIu64 ": coordinate %c is %g",
+                                    file->path, first + 4 * index, frame, index / 3,
+                                    "xyz"[index % 3], (double)to[index]);
 }
 
 static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *text,
