@@ -241,8 +241,8 @@ struct fitted {
 static void print_fitted(struct fitted *fitted)
 {
     char *line = fitted->line;
-    size_t head = strspn(line, " ");
     line[fitted->length] = '\0';
+    size_t head = strspn(line, " ");
     if (width_of(line) > room_of(fitted->to)) {
         char *gap = strstr(line + head, "  ");
         head = gap != NULL ? (size_t)(gap - line) : head;
