@@ -559,7 +559,8 @@ DOT = """
     copy.drawImage(view, 0, 0);
     const ratio = view.width / view.clientWidth;
     return [-2, 2].map((away) =>
-      [...copy.getImageData(Math.round(x * ratio), Math.round(y * ratio) + away, 1, 1).data]);"""
+      [...copy.getImageData(Math.round(x * ratio), Math.round(y * ratio) + away, 1, 1)
+        .data]);"""
 IN_SIGHT = "return pccd.view.partInSight(pccd.data.step(pccd.state.values.index))"
 
 
