@@ -51,7 +51,8 @@ do for [i = 1:words(ends):3] {
         }
     }
 }
-set label "curves: predicted; circles: paper's scheduler, squares: method wide, measured" at graph 0.03, 0.96
+set label "curves: predicted; circles: paper's scheduler, squares: method wide, measured" \
+    at graph 0.03, 0.96
 
 # Points that were measured, but for the first, which is 1.
 seen(scene, scheduler, high) = rows(measured, scene, scheduler, high, \
