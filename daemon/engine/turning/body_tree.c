@@ -431,17 +431,29 @@ static void bound_corners(const struct eng_face *leaf, const double (*x)[3],
     *high = eng_max4(eng_max4(a, b), c);
 }
 
+/* Return the least of four by axis. */
+static eng_f4 least_of(const eng_f4 x[3])
+{
+    eng_f4 xy = eng_min4(__builtin_shufflevector(x[0], x[1], 0, 4, 1, 5),
+                         __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7));
+    eng_f4 z = eng_min4(x[2], __builtin_shufflevector(x[2], x[2], 2, 3, 0, 1));
+    xy = eng_min4(xy, __builtin_shufflevector(xy, xy, 2, 3, 0, 1));
+    z = eng_min4(z, __builtin_shufflevector(z, z, 1, 0, 3, 2));
+    return __builtin_shufflevector(xy, z, 0, 1, 4, 4);
+}
+
 /* The box of no child holds nothing, and so bounds nothing. */
 static void bound_node(const struct eng_body_boxes *boxes, eng_f4 *low, eng_f4 *high)
 {
+    eng_f4 from[3];
+    eng_f4 to[3];
+#pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
-        eng_f4 from = boxes->centre[k] - boxes->half[k];
-        eng_f4 to = boxes->centre[k] + boxes->half[k];
-        from = eng_min4(from, __builtin_shufflevector(from, from, 2, 3, 0, 1));
-        to = eng_max4(to, __builtin_shufflevector(to, to, 2, 3, 0, 1));
-        (*low)[k] = from[0] < from[1] ? from[0] : from[1];
-        (*high)[k] = to[0] > to[1] ? to[0] : to[1];
+        from[k] = boxes->centre[k] - boxes->half[k];
+        to[k] = -boxes->centre[k] - boxes->half[k];
     }
+    *low = least_of(from);
+    *high = -least_of(to);
 }
 
 /* Rounded outward: what is added is more than roundings of bounds, each 2^-24 of what is
@@ -454,6 +466,7 @@ static void put_boxes(const struct four_bounds *bounds, struct eng_body_boxes *b
     const eng_f4 *to = bounds->high;
     eng_body_transpose(from[0], from[1], from[2], from[3], low);
     eng_body_transpose(to[0], to[1], to[2], to[3], high);
+#pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
         eng_f4 centre = 0.5f * (low[k] + high[k]);
         eng_f4 half = eng_max4(high[k] - centre, centre - low[k]);

@@ -206,7 +206,9 @@ static void advance(const struct decider *decider, uint32_t kind, const struct s
     for (uint32_t i = 0; i < count; i++) {
         told[i] = (struct eng_advance){.lo = r};
     }
-    decider->kernels->advance(kind, span->points, quads, numbers, count, &limits, told);
+    /* One pair alone is quicker without lanes. */
+    const struct eng_kernels *kernels = count > 1 ? eng_kernels() : decider->kernels;
+    kernels->advance(kind, span->points, quads, numbers, count, &limits, told);
 }
 
 enum look {

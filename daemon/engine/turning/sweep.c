@@ -48,7 +48,6 @@ typedef eng_f4 f4;
 /* Numbers by axis. A point b of side 1 lies at rb[end] b + off[end] along it, one of side
  * 0, a, at ra a. */
 struct eng_sweep_frame {
-    struct eng_sweep_span span;
     float t[2];
     float slack;
     _Alignas(16) float rb[2][3][AXES];
@@ -61,6 +60,12 @@ struct eng_sweep_frame {
     float bow[3][AXES];
     float bow_off[AXES];
     float bow_error;
+};
+
+/* Frames that are kept, and of which spans; a depth of UINT16_MAX: of none. */
+struct eng_sweep_frames {
+    struct eng_sweep_span span[FRAMES];
+    struct eng_sweep_frame frame[FRAMES];
 };
 
 /* A node or a leaf of a side, with its box at both ends of the step. */
@@ -92,13 +97,6 @@ static inline float least(float a, float b)
 static inline float most(float a, float b)
 {
     return a > b ? a : b;
-}
-
-/* Return the least of four. */
-static inline float least_of(f4 x)
-{
-    f4 halves = eng_min4(x, (f4){x[2], x[3], x[0], x[1]});
-    return least(halves[0], halves[1]);
 }
 
 static inline unsigned bits_of(eng_i4 x)
@@ -190,7 +188,6 @@ static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span
     double u[3][3];
     double off[3];
     memset(frame, 0, sizeof *frame);
-    frame->span = span;
     shift_pose(sweep, (span.index + 0.5) * h, u, off);
     double far = eng_size(off);
     for (int i = 0; i < 3; i++) {
@@ -251,10 +248,12 @@ static const struct eng_sweep_frame *frame_of(struct eng_sweep *sweep,
                                               struct eng_sweep_span span)
 {
     uint32_t place = ((1u << span.depth) + span.index) % FRAMES;
-    struct eng_sweep_frame *frame = &sweep->frames[place];
-    if (frame->span.index != span.index || frame->span.depth != span.depth) {
+    struct eng_sweep_frame *frame = &sweep->frames->frame[place];
+    struct eng_sweep_span *kept = &sweep->frames->span[place];
+    if (kept->index != span.index || kept->depth != span.depth) {
         ask(sweep, LOOKS_OF_FRAME);
         make_frame(sweep, span, frame);
+        *kept = span;
     }
     return frame;
 }
@@ -1270,7 +1269,7 @@ static void join(struct eng_sweep *sweep, const struct item *a, const struct ite
 int eng_sweep_init(struct eng_sweep *sweep)
 {
     memset(sweep, 0, sizeof *sweep);
-    sweep->frames = eng_alloc(FRAMES, sizeof *sweep->frames);
+    sweep->frames = eng_alloc(1, sizeof *sweep->frames);
     return sweep->frames ? PCCD_OK : PCCD_E_NOMEM;
 }
 
@@ -1283,7 +1282,7 @@ void eng_sweep_deinit(struct eng_sweep *sweep)
 
 uint64_t eng_sweep_bytes(const struct eng_sweep *sweep)
 {
-    return FRAMES * sizeof *sweep->frames +
+    return sizeof *sweep->frames +
            (uint64_t)sweep->span_capacity * sizeof *sweep->spans;
 }
 
@@ -1308,7 +1307,7 @@ void eng_sweep_begin(struct eng_sweep *sweep)
     sweep->margin = eng_round_up(sweep->keep + 2 * error);
     sweep->slack = eng_round_up(0x1p-18 * reach);
     for (uint32_t i = 0; i < FRAMES; i++) {
-        sweep->frames[i].span.depth = UINT16_MAX;
+        sweep->frames->span[i].depth = UINT16_MAX;
     }
     if (sweep->span_capacity > SPANS_KEPT) {
         eng_free(sweep->spans);

@@ -30,7 +30,7 @@ struct eng_sweep_span {
     uint16_t children; /* bit i: child i may meet in it */
 };
 
-struct eng_sweep_frame; /* how side 1 lies in a span */
+struct eng_sweep_frames; /* how side 1 lies in some spans */
 
 struct eng_sweep {
     /* Set by the caller. Side 1 is moved by the path, and is seen from side 0. */
@@ -56,7 +56,7 @@ struct eng_sweep {
     double size;         /* of coordinates of side 1 */
     float slack;         /* what rounding adds to a gap, but for where the two are */
     float margin;        /* keep and errors of poses, rounded up */
-    struct eng_sweep_frame *frames;
+    struct eng_sweep_frames *frames;
     struct eng_sweep_span *spans; /* a stack */
     uint32_t span_count, span_capacity;
 };
