@@ -3,28 +3,6 @@
 
 #include "narrow.h"
 
-static bool is_below(const uint32_t edge[2], uint32_t low_end, uint32_t high_end)
-{
-    return edge[1] != high_end ? edge[1] < high_end : edge[0] < low_end;
-}
-
-/* The edge between two vertices, which has one: edges are in the order of (higher, lower)
- * vertex. */
-static uint32_t edge_between(const struct eng_mesh *mesh, uint32_t low_end,
-                             uint32_t high_end)
-{
-    uint32_t low = 0;
-    uint32_t high = mesh->info.edge_count;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        bool below = is_below(mesh->edges[middle], low_end, high_end);
-        low = below ? middle + 1 : low;
-        high = below ? high : middle;
-    }
-    assert(mesh->edges[low][0] == low_end && mesh->edges[low][1] == high_end);
-    return low;
-}
-
 static uint32_t find_edge(struct eng_edges_known *known, const struct eng_mesh *mesh,
                           uint32_t v, uint32_t w)
 {
@@ -34,7 +12,7 @@ static uint32_t find_edge(struct eng_edges_known *known, const struct eng_mesh *
         &known->at[(low_end * 3 + high_end * 5) % ENG_EDGES_KNOWN];
     if (at->mesh != mesh || at->low_end != low_end || at->high_end != high_end) {
         *at = (struct eng_edge_known){mesh, low_end, high_end,
-                                      edge_between(mesh, low_end, high_end)};
+                                      eng_mesh_edge(mesh, low_end, high_end)};
     }
     return at->edge;
 }

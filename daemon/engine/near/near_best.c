@@ -317,29 +317,6 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
     }
 }
 
-/* Edges are in the order of (higher, lower) vertex. */
-static uint32_t edge_number(const struct eng_mesh *mesh, uint64_t edge)
-{
-    uint32_t from = 0;
-    uint32_t end = mesh->info.edge_count;
-    while (end - from > 1) {
-        uint32_t middle = from + (end - from) / 2;
-        const uint32_t *at = mesh->edges[middle];
-        if (((uint64_t)at[1] << 32 | at[0]) <= edge) {
-            from = middle;
-        } else {
-            end = middle;
-        }
-    }
-    return from;
-}
-
-uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2])
-{
-    uint32_t points[2];
-    return edge_number(mesh, edge_of(ends, 0, points));
-}
-
 /* In a record's terms, of the points that the pair has. */
 static struct eng_distance measure(const struct eng_near_best *best,
                                    const struct eng_near_pair *pair)
@@ -364,7 +341,9 @@ static struct eng_distance measure(const struct eng_near_best *best,
 static uint32_t number_of(const struct eng_object *object, uint32_t points,
                           uint64_t feature)
 {
-    return points == 2 ? edge_number(object->mesh, feature) : (uint32_t)feature;
+    return points == 2
+               ? eng_mesh_edge(object->mesh, (uint32_t)feature, (uint32_t)(feature >> 32))
+               : (uint32_t)feature;
 }
 
 void eng_near_describe(const struct eng_near_best *best, const struct eng_near_pair *pair,

@@ -42,9 +42,6 @@ struct eng_near_pair eng_near_ve(const struct eng_scene *scene, uint32_t of_vert
 struct eng_near_pair eng_near_vv(const struct eng_scene *scene, uint32_t a, uint32_t v,
                                  uint32_t b, uint32_t w);
 
-/* Return the number of an edge, which the mesh has, by its vertices in any order. */
-uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2]);
-
 struct eng_near_best {
     const struct eng_scene *scene;
     const double (*x)[3]; /* the scene's positions at the moment */

@@ -364,9 +364,9 @@ static bool is_foreign(const struct eng_near_search *search, int side,
 {
     const struct eng_mesh *mesh =
         search->scene->objects[search->leaves[side].object].mesh;
-    const uint32_t ends[2] = {leaf->v[k], leaf->v[(k + 1) % 3]};
     return eng_mesh_has_foreign(mesh) &&
-           eng_mesh_is_foreign(mesh, PCCD_TREE_EDGES, eng_near_edge_number(mesh, ends));
+           eng_mesh_is_foreign(mesh, PCCD_TREE_EDGES,
+                               eng_mesh_edge(mesh, leaf->v[k], leaf->v[(k + 1) % 3]));
 }
 
 /* Count the edges owned by a leaf of one side that pass through a face of the other. */

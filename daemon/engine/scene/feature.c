@@ -279,6 +279,23 @@ static void mark_free(struct eng_mesh *mesh, const uint32_t *first)
     }
 }
 
+uint32_t eng_mesh_edge(const struct eng_mesh *mesh, uint32_t a, uint32_t b)
+{
+    const uint32_t ends[2] = {a < b ? a : b, a < b ? b : a};
+    uint32_t low = 0;
+    uint32_t high = mesh->info.edge_count;
+    while (high - low > 1) { /* by (higher, lower) vertex */
+        uint32_t middle = low + (high - low) / 2;
+        const uint32_t *edge = mesh->edges[middle];
+        bool is_after =
+            edge[1] > ends[1] || (edge[1] == ends[1] && edge[0] > ends[0]);
+        low = is_after ? low : middle;
+        high = is_after ? middle : high;
+    }
+    assert(mesh->edges[low][0] == ends[0] && mesh->edges[low][1] == ends[1]);
+    return low;
+}
+
 uint64_t *eng_feature_new_bits(uint32_t count)
 {
     size_t words = (size_t)count / 64 + 1;

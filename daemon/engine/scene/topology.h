@@ -186,6 +186,10 @@ void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first);
 uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
                           uint32_t b);
 
+/* Return the edge between two vertices that have one, whichever is given first, without
+ * knowing where a vertex's begin. O(log edges) */
+uint32_t eng_mesh_edge(const struct eng_mesh *mesh, uint32_t a, uint32_t b);
+
 /* Allocate a bit for each of `count` features, none of them set. NULL: no memory. */
 uint64_t *eng_feature_new_bits(uint32_t count);
 

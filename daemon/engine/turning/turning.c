@@ -211,21 +211,6 @@ static struct named name(const struct eng_turning *turning,
     return named;
 }
 
-/* Return the number of an edge that there is. */
-static uint32_t edge_of(const struct eng_mesh *mesh, const uint32_t v[2])
-{
-    uint32_t low = 0;
-    uint32_t high = mesh->info.edge_count;
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        const uint32_t *ends = mesh->edges[middle];
-        bool is_after = ends[1] > v[1] || (ends[1] == v[1] && ends[0] > v[0]);
-        low = is_after ? low : middle;
-        high = is_after ? middle : high;
-    }
-    return low;
-}
-
 static uint32_t feature_of(const struct eng_turning *turning,
                            const struct eng_sweep_pair *found, const struct named *named,
                            int i)
@@ -234,7 +219,8 @@ static uint32_t feature_of(const struct eng_turning *turning,
     uint32_t from =
         named->side[0] == &turning->side[found->side_a] ? (uint32_t)i : 1 - (uint32_t)i;
     return points == 1   ? named->v[i][0]
-           : points == 2 ? edge_of(named->side[i]->body->mesh, named->v[i])
+           : points == 2 ? eng_mesh_edge(named->side[i]->body->mesh, named->v[i][0],
+                                       named->v[i][1])
                          : found->leaf[from];
 }
 
