@@ -782,6 +782,9 @@ void beside_straight(const char *name, const world &straight, const world &turni
 {
     scene scenes[2] = {{connect(), straight}, {connect(), turning}};
     std::vector<double> ms[2];
+    for (int i = 0; i < 16 * times; i++) { // trees are made little by little
+        (void)scenes[0].step(straight, straight.motions[0], true, settings, is_half);
+    }
     for (int i = 0; i <= times; i++) {
         for (int turns = 0; turns < 2; turns++) {
             const world &in = turns == 1 ? turning : straight;

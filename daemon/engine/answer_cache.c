@@ -136,7 +136,7 @@ bool eng_answer_cache_is_brief(const struct eng_answer_cache *cache)
 }
 
 bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_scene *scene,
-                            const struct eng_question *question,
+                            const struct eng_question *question, bool is_apart,
                             const struct eng_records *records)
 {
     assert(!cache->is_valid || cache->mode == PCCD_MODE_ANY ||
@@ -144,7 +144,7 @@ bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_sce
     (void)records;
     if (!eng_answer_cache_fits(cache, scene, question, scene->moving.number - 1) ||
         (question->brief && !eng_answer_cache_is_brief(cache)) || question->weigh ||
-        !(eng_moves_little(scene) || eng_moving_turns_alone(scene))) {
+        !(is_apart || eng_moves_little(scene))) {
         return false;
     }
     if (!reserve(cache)) {

@@ -53,9 +53,10 @@ bool eng_answer_cache_fits(const struct eng_answer_cache *cache,
 bool eng_answer_cache_is_brief(const struct eng_answer_cache *cache);
 
 /* Return, when the positions have moved on, whether the last answer, `records`, serves a
- * step with these settings, and it is worth it. Reserves memory; without it, false. */
+ * step with these settings, and it is worth it; it always is where what moves is tested
+ * apart. Reserves memory; without it, false. */
 bool eng_answer_cache_begin(struct eng_answer_cache *cache, const struct eng_scene *scene,
-                            const struct eng_question *question,
+                            const struct eng_question *question, bool is_apart,
                             const struct eng_records *records);
 
 /* Return, if it does, in mode any, whether the pair that met has neither moved nor gone.

@@ -9,6 +9,7 @@
 
 #include "affinity.h"
 #include "answer.h"
+#include "bodies.h"
 #include "clock.h"
 #include "memory.h"
 #include "method.h"
@@ -97,6 +98,7 @@ static void beside(struct eng_team *team, struct eng_worker *worker)
     }
     uint64_t begin_ns = common_now_ns();
     eng_wide_crowded_share(team->scene);
+    eng_bodies_share(team->scene);
     worker->record.low_ns += common_now_ns() - begin_ns;
 }
 

@@ -111,10 +111,12 @@ libengine_la_SOURCES = \
     daemon/engine/turning/poses.c \
     daemon/engine/turning/rotation.c \
     daemon/engine/turning/stage_turning.c \
+    daemon/engine/turning/straight.c \
     daemon/engine/turning/sweep.c \
     daemon/engine/turning/turning.c \
     daemon/engine/turning/turning_step.c \
     daemon/engine/answer.c \
+    daemon/engine/bodies.c \
     daemon/engine/detect.c \
     daemon/engine/near.c \
     daemon/engine/narrow/closest_features.c \

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "answer.h"
+#include "bodies.h"
 #include "box_frames.h"
 #include "clock.h"
 #include "detect.h"
@@ -463,6 +464,7 @@ static int search(struct eng_scene *scene, const struct eng_question *asked,
     atomic_store_explicit(&memory->near.meets, false, memory_order_relaxed);
     question.sought.meets = &memory->near.meets;
     begin_search(&team, &question);
+    eng_bodies_leave(scene, &question);
     result->times.ingest = staged_ns;
     team.method->start(&team, &question);
     uint64_t detect_ns = eng_detect_run(&team, &result->times);

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "answer.h"
+#include "bodies.h"
 #include "box_frames.h"
 #include "clock.h"
 #include "detect.h"
@@ -103,7 +104,8 @@ static bool is_at_rest(const struct eng_scene *scene, const struct eng_question 
     const struct eng_answer_cache *kept = &memory->cache;
     return scene->moving.objects == 0 && !scene->has_lost_start &&
            scene->object_capacity <= OBJECTS_AT_REST &&
-           eng_methods[PCCD_METHOD_WIDE]->has_boxes(scene) && !has_work_beside(scene) &&
+           (eng_methods[PCCD_METHOD_WIDE]->has_boxes(scene) || memory->bodies.is_last) &&
+           !has_work_beside(scene) &&
            eng_answer_cache_fits(kept, scene, question, scene->moving.number) &&
            !kept->objects_changed && eng_answer_cache_is_brief(kept) &&
            (question->mode != PCCD_MODE_ANY || kept->verdict == PCCD_VERDICT_NO ||
@@ -235,18 +237,19 @@ static double moving_part(const struct eng_scene *scene)
 
 /* The positions have moved on: keep what the last answer says of what stands still. */
 static void keep_what_stands(struct eng_team *team, const struct eng_question *question,
-                             struct eng_stop *stop)
+                             bool by_bodies, struct eng_stop *stop)
 {
     const struct eng_scene *scene = team->scene;
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     const struct eng_effort *effort = &memory->effort[eng_method_of(question)];
-    if (team->method->survey && question->tuning.still == ENG_STILL_KEPT &&
-        !eng_moving_turns_alone(scene)) {
+    bool is_apart = by_bodies || eng_moving_turns_alone(scene);
+    if (team->method->survey && question->tuning.still == ENG_STILL_KEPT && !is_apart) {
         team->method->survey(team->scene);
     }
     team->prunes =
         team->method->can_prune &&
-        eng_answer_cache_begin(&memory->cache, scene, question, &memory->sorted);
+        eng_answer_cache_begin(&memory->cache, scene, question, is_apart,
+                               &memory->sorted);
     if (!team->prunes) {
         return;
     }
@@ -322,6 +325,15 @@ static void begin_turning(struct eng_team *team)
     }
 }
 
+/* Have what moves tested in body space alone. The method makes no boxes. */
+static void begin_bodies(struct eng_team *team)
+{
+    eng_turning_step_begin(&eng_step_memory_of(team->scene)->turning, team->workers[0],
+                           team->count);
+    team->search = perform_turning;
+    team->has_boxes = true;
+}
+
 /* Remember of mode any what the rest of the step has shown, whatever turning objects
  * met. */
 static void remember_rest(struct eng_step_memory *memory,
@@ -377,7 +389,8 @@ static int reserve(struct eng_scene *scene, const struct eng_question *question)
 
 /* Do all that can fail before anything moves. */
 static int prepare(struct eng_scene *scene, const struct eng_question *question,
-                   bool turns, struct eng_stop *stop, struct eng_team *team)
+                   bool turns, bool *may_be_bodies, struct eng_stop *stop,
+                   struct eng_team *team)
 {
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     int status = check(scene, question);
@@ -392,21 +405,29 @@ static int prepare(struct eng_scene *scene, const struct eng_question *question,
     status = eng_detect_prepare(scene, question, effort_of(memory, question, turns),
                                 &memory->sorted, stop, team);
     if (status == PCCD_OK && turns) {
-        status =
-            eng_turning_step_prepare(&memory->turning, scene, team->workers, team->count);
+        status = eng_turning_step_prepare(&memory->turning, scene, false, team->workers,
+                                          team->count);
+    } else if (status == PCCD_OK && eng_bodies_may(scene, question)) {
+        *may_be_bodies = true;
+        status = eng_turning_step_prepare(&memory->turning, scene, true, team->workers,
+                                          team->count);
     }
     return status == PCCD_OK ? reserve(scene, question) : status;
 }
 
 /* Choose what is searched, when the positions have moved on. */
-static void start(struct eng_team *team, const struct eng_question *question, bool turns)
+static void start(struct eng_team *team, const struct eng_question *question, bool turns,
+                  bool by_bodies)
 {
     struct eng_scene *scene = team->scene;
     eng_box_frames_follow(scene);
-    eng_rigid_choose(scene,
-                     question->mode != PCCD_MODE_PAIRS && !eng_asks_part(question));
     if (turns && !question->brief) {
         begin_turning(team);
+    } else if (by_bodies) {
+        begin_bodies(team);
+    }
+    if (!by_bodies) {
+        eng_bodies_leave(scene, question);
     }
     if (!team->search) {
         team->method->start(team, question);
@@ -427,7 +448,8 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     struct eng_team team;
     bool is_part = eng_asks_part(question);
     bool turns = objects_turn(scene, question);
-    int status = prepare(scene, question, turns, &stop, &team);
+    bool may_be_bodies = false;
+    int status = prepare(scene, question, turns, &may_be_bodies, &stop, &team);
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
@@ -444,8 +466,11 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     scene->step++;
-    keep_what_stands(&team, question, &stop);
-    start(&team, question, turns);
+    eng_rigid_choose(scene, question->mode != PCCD_MODE_PAIRS && !is_part);
+    bool by_bodies = may_be_bodies && eng_bodies_choose(scene, question);
+    keep_what_stands(&team, question, by_bodies, &stop);
+    by_bodies = by_bodies && (team.prunes || eng_bodies_are_all(scene));
+    start(&team, question, turns, by_bodies);
     uint64_t detect_ns = eng_detect_run(&team, &r.times);
     scene->has_moved_without_answer = stop.gave_up;
     struct eng_step_memory *memory = eng_step_memory_of(scene);
@@ -460,6 +485,9 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     merge(&team, memory, begin_ns, detect_ns, &r);
     if (turns) {
         remember_rest(memory, &r);
+    }
+    if (by_bodies) {
+        eng_bodies_end(scene, question, &r);
     }
     if (is_part) {
         eng_part_leave(scene);

@@ -56,11 +56,11 @@ void eng_step_empty_result(const struct eng_question *question,
 /* Read the boxes of a level, the root being level 0, as the last step that used the tree
  * left them. Copies the count boxes from the first on that there are; `to` is not looked
  * at with count 0. Returns how many boxes the level has; 0: there is no such level, or no
- * step has made its boxes since objects came or went (one whose objects all turn makes
- * none of wide), or the last one was stopped while it did, or one by the other method has
- * put objects into other frames. Boxes are in coordinates: those that were measured in
- * frames are rounded outward once more. wide: O(count), with frames O(features below
- * them); paper: O(nodes down to the level). [compute], between steps */
+ * step has made its boxes since objects came or went (one whose objects all turn, or one
+ * in body space, makes none of wide), or the last one was stopped while it did, or one by
+ * the other method has put objects into other frames. Boxes are in coordinates: those
+ * that were measured in frames are rounded outward once more. wide: O(count), with frames
+ * O(features below them); paper: O(nodes down to the level). [compute], between steps */
 uint32_t eng_level_boxes(const struct eng_scene *scene, enum pccd_tree tree,
                          uint32_t level, uint32_t first, uint32_t count,
                          struct pccd_box *to);

@@ -7,6 +7,7 @@
 #include "memory.h"
 #include "method.h"
 #include "narrow.h"
+#include "straight.h"
 
 /* A worker takes 0.8 MB, and beside other processes a scene that one thread suffices for
  * is now and then taken for a larger one: if workers were kept for ever, every scene
@@ -43,6 +44,8 @@ void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count)
         eng_narrow_free(worker);
         eng_turning_free(worker->turning);
         worker->turning = NULL;
+        eng_straight_free(worker->straight);
+        worker->straight = NULL;
         eng_worker_deinit(worker);
         eng_free(worker);
     }
@@ -174,8 +177,8 @@ static uint64_t bytes_of(const struct eng_worker *worker)
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
-    return bytes + eng_narrow_bytes(worker) +
-           (worker->turning ? eng_turning_bytes(worker->turning) : 0);
+    return bytes + eng_narrow_bytes(worker) + eng_turning_bytes(worker->turning) +
+           eng_straight_bytes(worker->straight);
 }
 
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene)

@@ -75,6 +75,15 @@ struct eng_near_memory {
     struct eng_near_objects objects; /* NEAREST, DEPTH */
 };
 
+/* The state of steps in body space (bodies.h). */
+struct eng_bodies {
+    bool is_last;         /* the last step was one: the boxes of the method are older */
+    bool wants_trees;     /* some meshes have none yet */
+    uint32_t steps_until; /* so many steps go by first that could be */
+    uint32_t wait;        /* that it was set to last */
+    uint64_t leaves;      /* that moved in the last one */
+};
+
 struct eng_step_memory {
     struct eng_worker *workers[ENG_THREADS_MAX]; /* made when first needed */
     uint32_t worker_count;
@@ -88,6 +97,7 @@ struct eng_step_memory {
     struct eng_effort effort[PCCD_METHOD_COUNT]; /* by method */
     struct eng_effort turning_effort;            /* of steps in which objects turn */
     struct eng_turning_step turning;
+    struct eng_bodies bodies;
     struct eng_pool *pool;                       /* of the workers' records */
     struct eng_pool own_pool;
     struct eng_merge *merge;

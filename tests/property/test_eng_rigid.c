@@ -5,7 +5,8 @@
  * other, or nothing of that; turns up to half a turn, scales, shears, places so far away
  * that rounding brings features together. Each complete answer against that of a fresh
  * scene, which is given positions and knows of no pose; those of small scenes against
- * exact arithmetic, too.
+ * exact arithmetic, too. In many of the sequences all that moves does so by poses, and in
+ * body space.
  */
 #include "cases.h"
 #include "eng_answer.h"
@@ -28,6 +29,8 @@ static struct {
     uint64_t within; /* of these, within an object */
     uint64_t rigid;  /* objects that were left out of their own way .. */
     uint64_t beside; /* .. in steps with contacts within objects */
+    uint64_t bodies; /* steps in body space, .. */
+    uint64_t meet;   /* .. and their records */
 } sums;
 
 static struct judge_sums judged;
@@ -40,6 +43,7 @@ struct sequence {
     struct player player;
     struct eng_question settings;
     bool is_tiny;
+    bool is_of_bodies; /* what moves does so by poses, and does not meet itself */
     double pose[OBJECTS][12]; /* where the last one ended */
 };
 
@@ -116,6 +120,10 @@ static void add_octahedron(struct mesh *mesh, double x, double size)
     }
 }
 
+/* The distance between objects, as registered: some meet others. */
+#define ASIDE        1.25
+#define ASIDE_BODIES 0.75
+
 static void make_mesh(struct sequence *sequence, struct mesh *mesh, uint32_t at)
 {
     static const double gaps[] = {0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4};
@@ -154,9 +162,10 @@ static void make_mesh(struct sequence *sequence, struct mesh *mesh, uint32_t at)
         add_octahedron(mesh, 0, 0.5);
         break;
     }
-    double scale = exp2(draw(sequence, 3) ? 0 : 60 * between(sequence, -1, 1));
+    double scale = exp2(draw(sequence, 3) ? 0 : 56 * between(sequence, -1, 1));
     for (uint32_t i = 0; i < 3 * mesh->vertex_count; i++) {
-        double aside = i % 3 == 0 ? 1.25 * at : 0; /* fewer meet others */
+        double aside = sequence->is_of_bodies ? ASIDE_BODIES : ASIDE;
+        aside = i % 3 == 0 ? aside * at : 0;
         mesh->x[i / 3][i % 3] = scale * (mesh->x[i / 3][i % 3] + aside);
     }
 }
@@ -176,6 +185,12 @@ static void add_object(struct sequence *sequence, bool replaces)
     memset(sequence->pose[at], 0, sizeof sequence->pose[at]);
     for (int i = 0; i < 3; i++) {
         sequence->pose[at][5 * i] = 1;
+    }
+    if (sequence->is_of_bodies) {
+        const struct player_object *object = &sequence->player.objects[at];
+        filters_set(&sequence->player.filters, sequence->player.scene,
+                    (struct filters_place){object->id, object->idx},
+                    (struct eng_object_filter){1, 1, false});
     }
 }
 
@@ -288,7 +303,10 @@ static void move(struct sequence *sequence)
 {
     player_open(&sequence->player);
     for (uint32_t at = 0; at < OBJECTS; at++) {
-        uint32_t how = draw(sequence, 12);
+        uint32_t how = draw(sequence, sequence->is_of_bodies ? 9 : 12);
+        if (sequence->is_of_bodies && how == 8) { /* it stands */
+            continue;
+        }
         if (how < 8) {
             pose(sequence, at, false);
         } else if (how == 8) {
@@ -351,6 +369,10 @@ static void take_step(struct sequence *sequence)
     must(sequence, difference == NULL, difference);
     answer_free(&fresh);
     count(&result);
+    if (way_was_by_bodies(sequence->player.scene)) {
+        sums.bodies++;
+        sums.meet += result.count;
+    }
     if (result.mode == PCCD_MODE_ALL && all_are_small(&sequence->player)) {
         judge_check_play(&judged, &sequence->player, sequence->settings.tolerance,
                          sequence->seed, sequence->step, &result);
@@ -362,6 +384,7 @@ static void live(uint64_t seed)
     struct sequence sequence = {.seed = seed, .prng = {seed}, .next_id = 3};
     sequence.settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     sequence.is_tiny = draw(&sequence, 2) == 0;
+    sequence.is_of_bodies = draw(&sequence, 2) == 0;
     player_init(&sequence.player, NULL);
     for (uint32_t i = 0; i < OBJECTS; i++) {
         add_object(&sequence, false);
@@ -370,7 +393,7 @@ static void live(uint64_t seed)
         if (draw(&sequence, 8) == 0) {
             add_object(&sequence, true);
         }
-        if (draw(&sequence, 8) == 0) {
+        if (!sequence.is_of_bodies && draw(&sequence, 8) == 0) {
             player_draw_filters(&sequence.player, &sequence.prng);
         }
         move(&sequence);
@@ -391,13 +414,57 @@ CASE(rigid__objects_are_answered_as_any_others)
     sequences_live(live, SEQUENCES, NULL);
     print_message(
         "# %llu sequences, %llu steps, %llu records, %llu within objects; %llu "
-        "objects left out, %llu beside such records; by the oracle %llu steps\n",
+        "objects left out, %llu beside such records; by the oracle %llu steps; in body "
+        "space %llu, with %llu records\n",
         (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
         (unsigned long long)sums.records, (unsigned long long)sums.within,
         (unsigned long long)sums.rigid, (unsigned long long)sums.beside,
-        (unsigned long long)judged.steps);
+        (unsigned long long)judged.steps, (unsigned long long)sums.bodies,
+        (unsigned long long)sums.meet);
     if (!getenv("PCCD_SEED") && sums.sequences >= SEQUENCES) {
         assert_true(sums.within > 1000 && sums.rigid > sums.steps / 4);
         assert_true(sums.beside > 20 && judged.steps > 20);
+        assert_true(sums.bodies > 20 && sums.meet > 100);
+    }
+}
+
+/* If this failed, what meets because positions are rounded would be missed in body space:
+ * poses keep a corner 2^-4 above a triangle, which doubles beyond 2^50 do not. */
+CASE(rigid__what_rounding_brings_together_meets)
+{
+    static uint32_t corners[1][3] = {{0, 1, 2}};
+    for (int by_bodies = 0; by_bodies < 2; by_bodies++) {
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        struct eng_step_result result;
+        struct player player;
+        settings.mode = PCCD_MODE_ALL;
+        settings.team_always = by_bodies;
+        player_init(&player, NULL);
+        for (uint32_t i = 0; i < 2; i++) {
+            double x[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                                 {{0.25, 0.25, 0x1p-4}, {1, 0, 1}, {0, 1, 1}}};
+            player_act(&player, &(struct play_act){.what = PLAY_ADD,
+                                                   .object_id = i,
+                                                   .vertex_count = 3,
+                                                   .triangle_count = 1,
+                                                   .x0 = x[i],
+                                                   .triangles = corners});
+            filters_set(&player.filters, player.scene,
+                        (struct filters_place){i, player.objects[i].idx},
+                        (struct eng_object_filter){1, 1, false});
+        }
+        for (uint32_t i = 0; i < 2; i++) {
+            struct play_act pose = {.what = PLAY_RIGID,
+                                    .object_id = i,
+                                    .vertex_count = 3,
+                                    .m = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0x1p50},
+                                          {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0x1p50}}};
+            pose.m[0][11] += 0.5 * i;
+            player_act(&player, &pose);
+        }
+        assert_int_equal(player_step(&player, &settings, &result), PCCD_OK);
+        assert_int_equal(way_was_by_bodies(player.scene), by_bodies);
+        assert_true(result.count > 0);
+        player_deinit(&player);
     }
 }

@@ -80,8 +80,8 @@ daemon/engine elementary  base kernel
 daemon/engine result      base
 daemon/engine team        base kernel elementary result
 daemon/engine scene       base kernel elementary team
-daemon/engine turning     base kernel elementary result team scene
 daemon/engine narrow      base kernel elementary team scene
+daemon/engine turning     base kernel elementary result team scene narrow
 daemon/engine near        base kernel elementary team scene
 daemon/engine paper       base kernel elementary team scene narrow
 daemon/engine wide        base kernel elementary team scene narrow

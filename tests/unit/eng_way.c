@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 
+#include "step_memory.h"
 #include "trees.h"
 
 const enum pccd_method way_methods[WAY_METHODS] = {PCCD_METHOD_PAPER, PCCD_METHOD_WIDE};
@@ -55,6 +56,11 @@ bool way_tree_is_sound(const struct eng_scene *scene,
                        const struct eng_step_result *result)
 {
     return result->method == PCCD_METHOD_WIDE || eng_tree_validate(scene);
+}
+
+bool way_was_by_bodies(const struct eng_scene *scene)
+{
+    return eng_step_memory_of(scene)->bodies.is_last;
 }
 
 void way_tell(const struct eng_question *settings, char text[WAY_TEXT_MAX])

@@ -28,6 +28,9 @@ void way_draw(struct prng *prng, uint32_t thread_max, struct eng_question *setti
 bool way_tree_is_sound(const struct eng_scene *scene,
                        const struct eng_step_result *result);
 
+/* Return whether the last step was taken in body space (bodies.h). */
+bool way_was_by_bodies(const struct eng_scene *scene);
+
 /* "method 1, avx2, 3 threads, scheduler 0, high level 1, refit 0" */
 #define WAY_TEXT_MAX 128u
 void way_tell(const struct eng_question *settings, char text[WAY_TEXT_MAX]);

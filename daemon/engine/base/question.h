@@ -137,7 +137,7 @@ struct eng_question {
     uint32_t track;          /* of it, for the first thread */
     /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
     const struct eng_kernels *kernels;
-    bool team_always; /* by `threads` threads however small the work: for tests */
+    bool team_always; /* by `threads` threads, in body space, however small: for tests */
     uint64_t turning_tests; /* tests_most of turning.h; 0: the default */
     bool brief;       /* end soon or not at all (step.h) */
     bool alone;       /* of a brief one: nobody but who asks is held up meanwhile */

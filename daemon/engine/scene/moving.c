@@ -167,6 +167,9 @@ static enum eng_movement compare(struct eng_scene *scene, struct eng_object *obj
         mark(marks, &ends, writes[i].first, writes[i].count, &object->moved_span);
     }
     object->marked = around(object->marked, object->moved_span);
+    if (writes->has_poses && object->moved_span.end > 0) {
+        return ENG_MOVES_ALL; /* an axis stands: what moves as a whole is so told */
+    }
     return object->moved_span.end > 0 ? ENG_MOVES_SOME : ENG_STANDS;
 }
 

@@ -101,6 +101,7 @@ void eng_scene_free(struct eng_scene *scene)
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
             drop_all(scene, &scene->objects[i]);
+            eng_free(scene->objects[i].poses);
             eng_mesh_release(scene->objects[i].mesh);
         }
     }
@@ -161,6 +162,8 @@ static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx
 static void give_all(struct eng_scene *scene, struct eng_object *object)
 {
     drop_all(scene, object);
+    eng_free(object->poses);
+    object->poses = NULL;
     eng_ranges_give(&scene->vertex_ranges, object->vertices.first,
                     object->vertices.count);
 }
@@ -439,6 +442,10 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
     uint64_t bytes = 0;
     for (int i = 0; i < ENG_SLOTS; i++) {
         bytes += scene->owners[i]->bytes(scene);
+    }
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        bytes += object->mesh && object->poses ? sizeof *object->poses : 0;
     }
     return bytes + eng_masks_bytes(&scene->masks) + eng_ids_bytes(&scene->ids) +
            sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +

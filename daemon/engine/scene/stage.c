@@ -253,6 +253,22 @@ static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
     return bad ? PCCD_E_NOTFINITE : PCCD_OK;
 }
 
+/* Note the poses of a write that is of a whole object; without memory nobody needs to
+ * know them (bodies.h). */
+static void remember_poses(struct eng_scene *scene, struct eng_write *write,
+                           const double m0[12], const double m1[12])
+{
+    struct eng_object *object = &scene->objects[write->object];
+    if (!object->poses && !scene->is_trial) {
+        object->poses = eng_alloc(1, sizeof *object->poses);
+    }
+    if (object->poses && !scene->is_trial) {
+        memcpy(object->poses->staged[0], m0, sizeof object->poses->staged[0]);
+        memcpy(object->poses->staged[1], m1, sizeof object->poses->staged[1]);
+        write->has_poses = true;
+    }
+}
+
 /* The vertices of a write are where two transforms take the registered ones. */
 static int place(struct eng_scene *scene, struct eng_write *write, const double m0[12],
                  const double m1[12])
@@ -268,6 +284,7 @@ static int place(struct eng_scene *scene, struct eng_write *write, const double 
     if (status == PCCD_OK && write->count == object->vertices.count) {
         write->rounding_reach[0] = eng_rounding_reach(m0, m1, &object->mesh->bounds);
         write->rounding_reach[1] = eng_rounding_reach(m1, m1, &object->mesh->bounds);
+        remember_poses(scene, write, m0, m1);
     }
     return status;
 }
@@ -499,6 +516,11 @@ static void measure_written(struct eng_scene *scene)
         memcpy(object->rounding_reach, scene->writes[first].rounding_reach,
                sizeof object->rounding_reach);
         object->is_posed = object->rounding_reach[1] < INFINITY;
+        object->has_poses = scene->writes[first].has_poses;
+        if (object->has_poses) {
+            memcpy(object->poses->last, object->poses->staged,
+                   sizeof object->poses->last);
+        }
         object->joint = scene->writes[first].joint;
         scene->turning_count += object->joint != PCCD_NO_JOINT;
         measure(scene, scene->now, 0, &scene->writes[first], i - first);
@@ -524,6 +546,10 @@ int eng_stage_commit(struct eng_scene *scene)
             eng_moving_catch_up(scene, object);
             object->bounds[1 - scene->now] = object->bounds[scene->now];
             object->rounding_reach[0] = object->rounding_reach[1];
+            if (object->has_poses) {
+                memcpy(object->poses->last[0], object->poses->last[1],
+                       sizeof object->poses->last[0]);
+            }
             object->ends_are_equal = true;
         }
         object->is_previous_overwritten = false;

@@ -85,6 +85,13 @@ enum eng_slot { ENG_SLOT_PAPER, ENG_SLOT_WIDE, ENG_SLOT_STEP, ENG_SLOTS };
 
 struct eng_object;
 
+/* Two poses of a whole mesh (coordinates.h): where it is at both ends of the last step,
+ * and where the one that is staged takes it. */
+struct eng_object_poses {
+    double last[2][12];
+    double staged[2][12];
+};
+
 /* The calls by which the owner of a slot is told. NULL: it does not care. [compute] */
 struct eng_slot_calls {
     /* A scene is made: fill the slot. PCCD_E_NOMEM. Before it is freed, also if create
@@ -118,6 +125,7 @@ struct eng_object {
     bool has_crowded;    /* as the step goes by it: some features are closer */
     bool is_posed;       /* the rounding reach is that of poses, not of where it was
                        * registered */
+    bool has_poses; /* its positions are where `poses` take the mesh, at both ends */
     bool is_new;         /* it was in no step yet */
     bool ends_are_equal; /* x[0] and x[1] hold the same positions of this object */
     /* x[1 - now] has been written to since the last step. */
@@ -137,6 +145,7 @@ struct eng_object {
     uint32_t joint; /* of the last step, on which it turned; PCCD_NO_JOINT: none */
     struct eng_object_thickness thickness;
     double half_clearance; /* half of the largest that it has with another object */
+    struct eng_object_poses *poses; /* NULL: no pose has moved all of it yet */
 };
 
 /* The motion of the last step that was committed (moving.h). */
@@ -218,6 +227,7 @@ struct eng_write {
     uint32_t first; /* local vertex */
     uint32_t count;
     bool has_start;              /* x0 waits in scene->start */
+    bool has_poses;              /* it is by two poses, of all vertices of the object */
     struct eng_bounds bounds[2]; /* of x0, if there is one, and of x1 */
     double rounding_reach[2]; /* as that of an object: INFINITY unless these are poses of
                                * it all */

@@ -22,6 +22,7 @@
 struct eng_kernels;
 struct eng_narrow;
 struct eng_scene;
+struct eng_straight;
 struct eng_turning;
 
 /* Where the threads of a region wait for each other (wait.h). */
@@ -84,6 +85,7 @@ struct eng_worker {
     void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
     struct eng_narrow *narrow;     /* of the narrow phase (narrow.h); NULL: none yet */
     struct eng_turning *turning;   /* of objects that turn (turning.h); NULL: none yet */
+    struct eng_straight *straight; /* of those that go straight (straight.h); the same */
     struct eng_thread_record record;
     struct eng_tally tally;
     uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with

@@ -756,6 +756,29 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
     return is_made ? PCCD_OK : PCCD_E_AGAIN;
 }
 
+uint32_t eng_body_split(uint32_t most, uint64_t *tasks,
+                        uint32_t (*part)(void *owner, uint64_t task, uint64_t parts[4]),
+                        void *owner)
+{
+    uint32_t count = 1;
+    uint32_t next = 0;
+    uint32_t unchanged = 0; /* tasks in succession that stayed as they are */
+    tasks[0] = 0;
+    while (count > 0 && count + 3 <= most && unchanged < count) {
+        uint64_t parts[4];
+        uint64_t task = tasks[next];
+        uint32_t n = part(owner, task, parts);
+        tasks[next] = n > 0 ? parts[0] : tasks[count - 1];
+        count -= n == 0;
+        for (uint32_t i = 1; i < n; i++) {
+            tasks[count++] = parts[i];
+        }
+        unchanged = n == 1 && parts[0] == task ? unchanged + 1 : 0;
+        next = next + 1 < count ? next + 1 : 0;
+    }
+    return count;
+}
+
 void eng_body_deinit(struct eng_body *body)
 {
     eng_free(body->fit);

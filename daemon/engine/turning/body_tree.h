@@ -91,6 +91,13 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
                  const double (*x0)[3], const double (*x1)[3],
                  const struct eng_bounds *bounds);
 
+/* Divide work on two trees into at most `most` >= 1 tasks; the first, 0, is all of it.
+ * `part` writes what a task divides into, at most four, and returns how many: itself
+ * alone, if it cannot be divided. Returns how many tasks there are. */
+uint32_t eng_body_split(uint32_t most, uint64_t *tasks,
+                        uint32_t (*part)(void *owner, uint64_t task, uint64_t parts[4]),
+                        void *owner);
+
 void eng_body_deinit(struct eng_body *body);
 uint64_t eng_body_bytes(const struct eng_body *body);
 

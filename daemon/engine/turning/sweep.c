@@ -1345,12 +1345,13 @@ static uint64_t task_of(const struct item *a, const struct item *b)
 }
 
 /* Divide a task in at most four; returns how many of them may have pairs. */
-static uint32_t divide(struct eng_sweep *sweep, uint64_t task, uint64_t parts[4])
+static uint32_t divide(void *owner, uint64_t task, uint64_t parts[4])
 {
+    struct eng_sweep *sweep = owner;
     struct item a = item_of(sweep, 0, (uint32_t)(task >> 32));
     struct item b = item_of(sweep, 1, (uint32_t)task);
     uint32_t count = 0;
-    if (is_leaf(&a) && is_leaf(&b)) {
+    if ((is_leaf(&a) && is_leaf(&b)) || sweep->stops) {
         parts[0] = task;
         return 1;
     }
@@ -1367,24 +1368,8 @@ static uint32_t divide(struct eng_sweep *sweep, uint64_t task, uint64_t parts[4]
 
 uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks)
 {
-    uint32_t count = 1;
-    uint32_t next = 0;
-    uint32_t unchanged = 0; /* tasks in succession that stayed as they are */
     begin_run(sweep);
-    tasks[0] = ENG_SWEEP_ALL;
-    while (count > 0 && count + 3 <= limit && unchanged < count && !sweep->stops) {
-        uint64_t parts[4];
-        uint64_t task = tasks[next];
-        uint32_t n = divide(sweep, task, parts);
-        tasks[next] = n > 0 ? parts[0] : tasks[count - 1];
-        count -= n == 0;
-        for (uint32_t i = 1; i < n; i++) {
-            tasks[count++] = parts[i];
-        }
-        unchanged = n == 1 && parts[0] == task ? unchanged + 1 : 0;
-        next = next + 1 < count ? next + 1 : 0;
-    }
-    return count;
+    return eng_body_split(limit, tasks, divide, sweep);
 }
 
 int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)

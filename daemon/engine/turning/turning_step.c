@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "memory.h"
+#include "straight.h"
 #include "thickness.h"
 #include "wait.h"
 
@@ -70,11 +71,13 @@ static int reserve_keys(struct eng_turning_step *step, uint32_t count)
 }
 
 int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_scene *scene,
-                             struct eng_worker *const *workers, uint32_t count)
+                             bool is_straight, struct eng_worker *const *workers,
+                             uint32_t count)
 {
     uint32_t capacity = scene->object_capacity;
     int status = PCCD_OK;
     step->scene = scene;
+    step->is_straight = is_straight;
     step->workers = workers;
     step->worker_count = count;
     if (step->part_capacity < capacity) {
@@ -96,7 +99,9 @@ int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_sce
         status = reserve_keys(step, capacity);
     }
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        if (!workers[i]->turning) {
+        if (is_straight && !workers[i]->straight) {
+            status = eng_straight_make(&workers[i]->straight);
+        } else if (!is_straight && !workers[i]->turning) {
             status = eng_turning_make(&workers[i]->turning);
         }
     }
@@ -209,6 +214,13 @@ static uint64_t key_of(double x)
     return bits >> 63 ? ~bits : bits | 1ull << 63;
 }
 
+/* Return whether it is one of those that the step is about. */
+static bool turns_in(const struct eng_turning_step *step, const struct eng_object *object)
+{
+    return step->is_straight ? object->moves != ENG_STANDS
+                             : object->joint != PCCD_NO_JOINT;
+}
+
 /* The objects that turn, then those that come near any of these. */
 static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
 {
@@ -219,7 +231,7 @@ static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
         for (uint32_t i = 0; i < scene->object_capacity; i++) {
             const struct eng_object *object = &scene->objects[i];
             step->parts[i].takes_part = turns == 0 && step->parts[i].takes_part;
-            if (!object->mesh || (object->joint != PCCD_NO_JOINT) != (turns == 1) ||
+            if (!object->mesh || turns_in(step, object) != (turns == 1) ||
                 object->bounds[0].low[0] > object->bounds[0].high[0]) {
                 continue;
             }
@@ -447,7 +459,7 @@ static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
     if (status != PCCD_OK) {
         return status;
     }
-    if (object->joint != PCCD_NO_JOINT) {
+    if (object->joint != PCCD_NO_JOINT || (step->is_straight && object->has_poses)) {
         eng_body_set(body, object->mesh);
         part->fitted = 0;
         return PCCD_OK;
@@ -498,6 +510,10 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
                                       .body = &step->parts[objects[side]].body,
                                       .joint = object->joint};
     }
+    if (step->is_straight) {
+        eng_straight_begin(worker->straight, worker, both.side);
+        return PCCD_OK;
+    }
     return eng_turning_begin(worker->turning, &both);
 }
 
@@ -510,7 +526,10 @@ static void divide(struct eng_turning_step *step, struct eng_worker *worker)
         struct eng_turning_couple *couple = &step->couples[i];
         uint64_t *tasks = step->tasks + i * ENG_TURNING_TASKS;
         int status = begin_couple(step, worker, couple);
-        if (status == PCCD_OK) {
+        if (step->is_straight) {
+            couple->task_count =
+                eng_straight_split(worker->straight, ENG_TURNING_TASKS, tasks);
+        } else if (status == PCCD_OK) {
             status = eng_turning_split(worker->turning, worker, ENG_TURNING_TASKS, tasks,
                                        &couple->task_count);
         }
@@ -538,9 +557,13 @@ static void try_couples(struct eng_turning_step *step, struct eng_worker *worker
 
 /* Perform a task of a couple that has begun. In mode first a limit may be one that is not
  * met where the earliest time is known (repeat_limited). */
-static void perform_task(struct eng_worker *worker, struct eng_turning_couple *couple,
-                         uint64_t task)
+static void perform_task(const struct eng_turning_step *step, struct eng_worker *worker,
+                         struct eng_turning_couple *couple, uint64_t task)
 {
+    if (step->is_straight) {
+        eng_straight_perform(worker->straight, task);
+        return;
+    }
     int status = eng_turning_perform(worker->turning, worker, task);
     if (status == PCCD_E_LIMIT && worker->question->mode == PCCD_MODE_FIRST) {
         atomic_store_explicit(&couple->is_limited, true, memory_order_relaxed);
@@ -571,7 +594,8 @@ static void perform_tasks(struct eng_turning_step *step, struct eng_worker *work
             begun = number;
         }
         if (status == PCCD_OK) {
-            perform_task(worker, couple, i < parts ? step->tasks[i] : ENG_TURNING_ALL);
+            perform_task(step, worker, couple,
+                         i < parts ? step->tasks[i] : ENG_TURNING_ALL);
         } else {
             fail(worker, status);
         }
@@ -614,7 +638,7 @@ static void repeat(struct eng_turning_step *step, struct eng_worker *worker,
     forget(step, couple);
     if (begin_couple(step, worker, couple) == PCCD_OK) { /* as it was before */
         for (uint32_t i = 0; i < count && !eng_worker_should_stop(worker); i++) {
-            perform_task(worker, couple, tasks[i]);
+            perform_task(step, worker, couple, tasks[i]);
         }
     }
 }
@@ -671,7 +695,9 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
 {
     uint64_t begin_ns = common_now_ns();
     uint64_t waited_ns = worker->record.wait_ns;
-    note_rest(step, worker);
+    if (!step->is_straight) {
+        note_rest(step, worker);
+    }
     if (step->has_failed) {
         fail(worker, PCCD_E_NOMEM);
     }
@@ -679,7 +705,7 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
     if (!step->is_alone) {
         eng_wait_for_all(worker);
     }
-    if (worker->question->mode == PCCD_MODE_ANY) {
+    if (worker->question->mode == PCCD_MODE_ANY && !step->is_straight) {
         try_couples(step, worker);
     }
     if (step->divided_count > 0) {
@@ -689,7 +715,9 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
         }
     }
     perform_tasks(step, worker);
-    if (worker->question->mode == PCCD_MODE_FIRST) {
+    if (step->is_straight) {
+        eng_straight_end(worker->straight, worker);
+    } else if (worker->question->mode == PCCD_MODE_FIRST) {
         if (!step->is_alone) {
             eng_wait_for_all(worker);
         }

@@ -1,10 +1,11 @@
-/* turning_step.h - the objects of a step that turn, each with all that it may meet.
+/* turning_step.h - the objects of a step that turn, each with all that it may meet; or,
+ * of a step in which all that moves goes straight by poses, those that move.
  *
  * List the pairs of objects of which one turns, by boxes around what each of them sweeps;
- * then have all threads test them (turning.h), large ones in tasks. Which are large is a
- * matter of the meshes of all pairs alone: so are the tasks, and where one of them ends
- * for want of looks, whatever threads there are. The methods leave objects that turn out
- * (masks.h).
+ * then have all threads test them (turning.h, straight.h), large ones in tasks. Which are
+ * large is a matter of the meshes of all pairs alone: so are the tasks, and where one of
+ * them ends for want of looks, whatever threads there are. The methods leave objects that
+ * turn out (masks.h).
  *
  * Threads: prepare, begin: [compute]; perform: [team].
  */
@@ -25,7 +26,7 @@ struct eng_turning_part {
     bool takes_part; /* in this step */
 };
 
-/* An object among those that may meet one that turns. */
+/* An object among those that may meet one that turns, or moves. */
 struct eng_turning_item {
     struct eng_bounds box; /* around all places of it in the step, thickness included */
     uint32_t object;
@@ -64,6 +65,7 @@ struct eng_turning_step {
     uint32_t key_capacity;
     uint64_t *tasks; /* [divided_count][ENG_TURNING_TASKS] */
     uint32_t task_capacity;
+    bool is_straight; /* what moves in it, by poses, has the place of what turns */
     bool is_alone;   /* by one thread: others of its OpenMP team have other steps */
     bool has_failed; /* there was no memory for all couples */
     struct eng_path path;
@@ -87,7 +89,8 @@ uint64_t eng_turning_step_bytes(const struct eng_turning_step *step);
 
 /* Do what can fail before anything moves. PCCD_E_NOMEM. */
 int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_scene *scene,
-                             struct eng_worker *const *workers, uint32_t count);
+                             bool is_straight, struct eng_worker *const *workers,
+                             uint32_t count);
 
 /* List the pairs of objects, when the positions have moved on. `worker`: the first. */
 void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *worker,

@@ -1,0 +1,623 @@
+/* straight.c - two trees against each other, both of which go straight. */
+#include "straight.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "kinds.h"
+#include "memory.h"
+#include "narrow.h"
+#include "vec.h"
+
+/* The axes: three of side 0, then three of side 1, where those of its frame lie; then, if
+ * the two go far beside their sizes, two that are across that way, and the way itself. */
+#define AXES     9
+#define AXES_OWN 6
+
+/* Far, as a part of the size of the smaller body. */
+#define FAR_PART 0.125
+
+/* The range of vectors whose squares are well within that of doubles. */
+#define LENGTH_LEAST 0x1p-200
+#define LENGTH_MOST  0x1p200
+
+/* The part of what coordinates are made of that floats round off. */
+#define ROUNDING 0x1p-18
+
+/* The part of ROUNDING that doubles round off: positions in the world are such. */
+#define DOUBLES 0x1p-29
+
+/* More than what is too small for floats adds up to. */
+#define LEAST 0x1p-120
+
+/* Nodes that are opened, some 50 ns each, before it is asked whether to stop. */
+#define LOOKS 1024u
+
+/* Corners of leaves whose pairs wait, and what two leaves add at most. */
+#define POINTS      2048u
+#define LEAF_POINTS 3u
+#define LEAF_PAIRS  9u /* of one kind */
+
+#define KINDS 2 /* PCCD_VF and PCCD_EE */
+
+typedef eng_f4 f4;
+
+/* A side of the pair. A point b of its frame, measured from the origin of its boxes, lies
+ * at r[end] b + off[end] along an axis. */
+struct view {
+    const struct eng_object *object;
+    uint32_t index; /* of the object */
+    const struct eng_body *body;
+    const struct eng_body_tree *tree;
+    float r[2][AXES][3];
+    float most[AXES][3]; /* the larger magnitude of both ends */
+    float off[2][AXES];
+    bool turns; /* r is not the same at both ends */
+};
+
+/* Intervals of the children of a node along the axes: middles at both ends, and halves
+ * that hold at all times. */
+struct shadows {
+    f4 middle[2][AXES];
+    f4 half[AXES];
+    f4 size; /* half of the longest side, about */
+};
+
+/* A node or a leaf of a side: child `which` of a node. */
+struct item {
+    const struct shadows *shadows; /* of those children */
+    uint32_t which;
+    uint32_t ref;   /* 0: the root; else its place + 1 among the children of all nodes */
+    uint32_t child; /* body_tree.h */
+};
+
+/* A feature of a candidate. */
+struct feature {
+    uint32_t object; /* index */
+    uint32_t first;  /* the vertex, the lower end of the edge, or the leaf */
+    uint32_t second; /* the higher end */
+};
+
+struct chunk {
+    uint32_t count;
+    struct feature features[ENG_CHUNK_MAX][2];
+    uint32_t quads[ENG_CHUNK_MAX][4];
+};
+
+struct eng_straight {
+    struct eng_worker *worker;
+    struct view side[2];
+    int axes;     /* AXES_OWN or AXES */
+    float margin; /* for the rounding of a gap, and of positions */
+    uint32_t looks;
+    bool stops;
+    struct {
+        uint32_t leaf; /* whose corners are points first .. */
+        uint32_t first;
+        bool is_there;
+    } corners[2];
+    uint32_t point_count;
+    struct eng_point points[POINTS];
+    struct chunk chunks[KINDS];
+};
+
+int eng_straight_make(struct eng_straight **straight)
+{
+    struct eng_straight *made = eng_alloc(1, sizeof *made);
+    if (!made) {
+        return PCCD_E_NOMEM;
+    }
+    made->point_count = 0;
+    made->looks = 0;
+    made->chunks[PCCD_VF].count = made->chunks[PCCD_EE].count = 0;
+    *straight = made;
+    return PCCD_OK;
+}
+
+void eng_straight_free(struct eng_straight *straight)
+{
+    eng_free(straight);
+}
+
+uint64_t eng_straight_bytes(const struct eng_straight *straight)
+{
+    return straight ? sizeof *straight : 0;
+}
+
+/* ---- two objects ------------------------------------------------------------------- */
+
+static const double stands[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+static const double *pose_of(const struct view *view, int end)
+{
+    return view->object->has_poses ? view->object->poses->last[end] : stands;
+}
+
+static void shorten(double x[3])
+{
+    double length = sqrt(eng_dot(x, x));
+    for (int k = 0; k < 3; k++) {
+        x[k] /= length;
+    }
+}
+
+/* Where an axis of its frame lies half way; one of the world if it has no direction. */
+static void set_axis(const struct view *view, int k, double axis[3])
+{
+    const double *m0 = pose_of(view, 0);
+    const double *m1 = pose_of(view, 1);
+    for (int i = 0; i < 3; i++) {
+        axis[i] = 0.5 * m0[4 * i + k] + 0.5 * m1[4 * i + k];
+    }
+    double size = eng_size(axis);
+    if (size > LENGTH_LEAST && size < LENGTH_MOST) {
+        shorten(axis);
+    } else {
+        memset(axis, 0, 3 * sizeof *axis);
+        axis[k] = 1;
+    }
+}
+
+/* Set two axes across a way, which has a length, and one along it. */
+static void set_along(const double way[3], double axes[3][3])
+{
+    int least = fabs(way[0]) < fabs(way[1]) ? 0 : 1;
+    least = fabs(way[2]) < fabs(way[least]) ? 2 : least;
+    const double other[3] = {least == 0, least == 1, least == 2};
+    eng_cross(axes[0], way, other);
+    shorten(axes[0]);
+    eng_cross(axes[1], way, axes[0]);
+    shorten(axes[1]);
+    memcpy(axes[2], way, sizeof axes[2]);
+    shorten(axes[2]);
+}
+
+static void place(const double m[12], const double x[3], double at[3])
+{
+    for (int i = 0; i < 3; i++) {
+        at[i] = eng_dot(m + 4 * (size_t)i, x) + m[4 * i + 3];
+    }
+}
+
+/* Set how it lies along the axes; `from`: what positions are measured from. */
+static void set_view(struct view *view, const double axes[AXES][3],
+                     const double from[2][3])
+{
+    view->turns = memcmp(pose_of(view, 0), pose_of(view, 1), 12 * sizeof(double)) != 0;
+    for (int end = 0; end < 2; end++) {
+        const double *m = pose_of(view, end);
+        double at[3];
+        place(m, view->body->origin, at);
+        eng_sub(at, at, from[end]);
+        for (int k = 0; k < AXES; k++) {
+            view->off[end][k] = (float)eng_dot(axes[k], at);
+            for (int c = 0; c < 3; c++) {
+                view->r[end][k][c] = (float)(axes[k][0] * m[c] + axes[k][1] * m[4 + c] +
+                                             axes[k][2] * m[8 + c]);
+            }
+        }
+    }
+    for (int k = 0; k < AXES; k++) {
+        for (int c = 0; c < 3; c++) {
+            float r0 = fabsf(view->r[0][k][c]);
+            float r1 = fabsf(view->r[1][k][c]);
+            view->most[k][c] = r0 > r1 ? r0 : r1;
+        }
+    }
+}
+
+/* Return the sum of all that coordinates of a side along an axis are made of, but for
+ * where it is. */
+static double reach_of(const struct view *view)
+{
+    const struct eng_path_box *box = &view->body->box;
+    double half = 0;
+    double far = 0;
+    double reach = 0;
+    for (int k = 0; k < 3; k++) {
+        half += 0.5 * (box->hi[k] - box->lo[k]);
+        far += eng_most(fabs(box->lo[k]), fabs(box->hi[k]));
+    }
+    for (int end = 0; end < 2; end++) {
+        const double *m = pose_of(view, end);
+        double squares = 0;
+        double shift = 0;
+        for (int i = 0; i < 3; i++) {
+            squares += eng_dot(m + 4 * (size_t)i, m + 4 * (size_t)i);
+            shift += fabs(m[4 * i + 3]);
+        }
+        reach = eng_most(reach, sqrt(squares) * (half + DOUBLES * far) + DOUBLES * shift);
+    }
+    return reach;
+}
+
+void eng_straight_begin(struct eng_straight *straight, struct eng_worker *worker,
+                        const struct eng_turning_side side[2])
+{
+    double axes[AXES][3] = {{0}};
+    double from[2][3];
+    double to[2][3];
+    double way[3] = {0, 0, 0};
+    double apart = 0;
+    double size = INFINITY;
+    straight->worker = worker;
+    straight->stops = false;
+    for (int i = 0; i < 2; i++) {
+        struct view *view = &straight->side[i];
+        view->object = side[i].object;
+        view->index = (uint32_t)(view->object - worker->scene->objects);
+        view->body = side[i].body;
+        view->tree = eng_body_tree_of(view->body->mesh);
+        straight->corners[i].is_there = false;
+        for (int k = 0; k < 3; k++) {
+            set_axis(view, k, axes[3 * i + k]);
+        }
+        size = eng_least(size, eng_bounds_size(&view->object->bounds[0]));
+    }
+    for (int end = 0; end < 2; end++) {
+        double far = 0;
+        place(pose_of(&straight->side[0], end), side[0].body->origin, from[end]);
+        place(pose_of(&straight->side[1], end), side[1].body->origin, to[end]);
+        for (int k = 0; k < 3; k++) {
+            far += fabs(to[end][k] - from[end][k]);
+            way[k] += (to[end][k] - from[end][k]) * (end == 1 ? 1 : -1);
+        }
+        apart = eng_most(apart, far);
+    }
+    double length = eng_size(way);
+    straight->axes = AXES_OWN;
+    if (length > FAR_PART * size && length > LENGTH_LEAST && length < LENGTH_MOST) {
+        straight->axes = AXES;
+        set_along(way, axes + AXES_OWN);
+    }
+    set_view(&straight->side[0], (const double(*)[3])axes, (const double(*)[3])from);
+    set_view(&straight->side[1], (const double(*)[3])axes, (const double(*)[3])from);
+    double reach = reach_of(&straight->side[0]) + reach_of(&straight->side[1]) + apart;
+    straight->margin = eng_round_up(ROUNDING * reach + LEAST);
+}
+
+/* ---- nodes ------------------------------------------------------------------------- */
+
+static inline f4 all4(float x)
+{
+    return (f4){x, x, x, x};
+}
+
+static inline unsigned bits_of(eng_i4 x)
+{
+#ifdef __SSE__
+    return (unsigned)__builtin_ia32_movmskps((f4)x);
+#else
+    return (x[0] & 1u) | (x[1] & 2u) | (x[2] & 4u) | (x[3] & 8u);
+#endif
+}
+
+static inline f4 turned(const float r[3], const f4 x[3])
+{
+    return all4(r[0]) * x[0] + all4(r[1]) * x[1] + all4(r[2]) * x[2];
+}
+
+/* Set the intervals of the children of a node along an axis. */
+static inline void set_shadow(const struct view *view, const struct eng_body_boxes *boxes,
+                              int k, struct shadows *shadows)
+{
+    f4 x = turned(view->r[0][k], boxes->centre);
+    shadows->middle[0][k] = x + all4(view->off[0][k]);
+    x = view->turns ? turned(view->r[1][k], boxes->centre) : x;
+    shadows->middle[1][k] = x + all4(view->off[1][k]);
+    shadows->half[k] = turned(view->most[k], boxes->half);
+}
+
+static void set_size(const struct eng_straight *straight, const struct view *view,
+                     struct shadows *shadows)
+{
+    const f4 *own = shadows->half + (view == &straight->side[0] ? 0 : 3);
+    shadows->size = eng_max4(eng_max4(own[0], own[1]), own[2]);
+}
+
+/* Return which children of a node there are. */
+static unsigned children_of(const struct view *view, uint32_t node)
+{
+    const uint32_t *children = view->tree->children[node];
+    unsigned bits = 1;
+    for (unsigned i = 1; i < 4; i++) {
+        bits |= (unsigned)(children[i] != ENG_BODY_NONE) << i;
+    }
+    return bits;
+}
+
+/* Return which children of a node of a side may meet an item of the other one. */
+static unsigned may_meet(struct eng_straight *straight, const struct view *view,
+                         uint32_t node, const struct item *other, struct shadows *shadows)
+{
+    const struct eng_body_boxes *boxes = &view->body->boxes[0][node];
+    const f4 until = all4(straight->worker->box_bound < 1 ? straight->worker->box_bound
+                                                          : 1);
+    const struct shadows *of = other->shadows;
+    eng_i4 apart = {0, 0, 0, 0};
+    straight->worker->record.box_tests += 4;
+    for (int k = 0; k < straight->axes; k++) {
+        set_shadow(view, boxes, k, shadows);
+        f4 d0 = all4(of->middle[0][k][other->which]) - shadows->middle[0][k];
+        f4 d1 = all4(of->middle[1][k][other->which]) - shadows->middle[1][k];
+        d1 = d0 + (d1 - d0) * until;
+        f4 reach = shadows->half[k] + all4(of->half[k][other->which] + straight->margin);
+        apart |= eng_max4(eng_min4(d0, d1), eng_min4(-d0, -d1)) > reach;
+        if (k % 3 == 2 && bits_of(apart) == 15u) {
+            return 0;
+        }
+    }
+    set_size(straight, view, shadows);
+    return ~bits_of(apart) & children_of(view, node);
+}
+
+/* Return child `which` of a node, whose shadows are known. */
+static struct item child_of(const struct view *view, uint32_t node, uint32_t which,
+                            const struct shadows *shadows)
+{
+    return (struct item){.shadows = shadows,
+                         .which = which,
+                         .ref = 4 * node + which + 1,
+                         .child = view->tree->children[node][which]};
+}
+
+/* Return the item that a task names, and its shadows. */
+static struct item item_of(const struct eng_straight *straight, const struct view *view,
+                           uint32_t ref, struct shadows *shadows)
+{
+    struct eng_body_boxes root = {{{0}}, {{0}}};
+    const struct eng_body *body = view->body;
+    const struct eng_body_boxes *boxes =
+        ref == 0 ? &root : &body->boxes[0][(ref - 1) / 4];
+    for (int k = 0; k < 3; k++) {
+        double half = eng_most(body->box.hi[k] - body->origin[k],
+                               body->origin[k] - body->box.lo[k]);
+        root.half[k][0] = eng_round_up(half * (1 + 0x1p-20) + LEAST);
+    }
+    for (int k = 0; k < straight->axes; k++) {
+        set_shadow(view, boxes, k, shadows);
+    }
+    set_size(straight, view, shadows);
+    return ref > 0 ? child_of(view, (ref - 1) / 4, (ref - 1) % 4, shadows)
+                   : (struct item){.shadows = shadows};
+}
+
+static bool is_leaf(const struct item *item)
+{
+    return (item->child & ENG_BODY_LEAF) != 0;
+}
+
+/* Return the side of two items, not both of them leaves, that is opened: the larger. */
+static int opened_of(const struct item *a, const struct item *b)
+{
+    return !is_leaf(a) && (is_leaf(b) || a->shadows->size[a->which] >=
+                                             b->shadows->size[b->which])
+               ? 0
+               : 1;
+}
+
+/* ---- candidates -------------------------------------------------------------------- */
+
+static void name_pairs(const struct eng_worker *worker, enum pccd_kind kind,
+                       const uint32_t *index, uint32_t count, struct pccd_pair *names)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const struct feature *features =
+            worker->straight->chunks[kind].features[index[i]];
+        uint32_t id[2];
+        uint32_t number[2];
+        for (int side = 0; side < 2; side++) {
+            const struct eng_object *object =
+                &worker->scene->objects[features[side].object];
+            id[side] = object->id;
+            number[side] = common_kinds[kind].points[side] == 2
+                               ? eng_mesh_edge(object->mesh, features[side].first,
+                                               features[side].second)
+                               : features[side].first;
+        }
+        names[i] = (struct pccd_pair){kind, id[0], number[0], id[1], number[1]};
+    }
+}
+
+static void test(struct eng_straight *straight, enum pccd_kind kind)
+{
+    struct eng_worker *worker = straight->worker;
+    struct chunk *chunk = &straight->chunks[kind];
+    struct eng_pairs pairs = {.kind = kind,
+                              .known = ENG_KNOWN_NOTHING,
+                              .count = chunk->count,
+                              .points = straight->points,
+                              .quads = (const uint32_t(*)[4])chunk->quads};
+    if (chunk->count > 0 && !eng_stop_is_set(worker->stop)) {
+        uint64_t begin_ns = common_now_ns();
+        eng_count_candidates(worker, kind, chunk->count);
+        eng_narrow_test(worker, &pairs, name_pairs);
+        eng_count_test_time(worker, kind, chunk->count, begin_ns);
+    }
+    chunk->count = 0;
+}
+
+/* Test all that waits. */
+static void flush(struct eng_straight *straight)
+{
+    test(straight, PCCD_VF);
+    test(straight, PCCD_EE);
+    straight->point_count = 0;
+    straight->corners[0].is_there = straight->corners[1].is_there = false;
+    straight->stops |= eng_worker_should_stop(straight->worker);
+}
+
+/* Have the corners of a leaf among the points; returns where. */
+static uint32_t corners_of(struct eng_straight *straight, int side, uint32_t leaf)
+{
+    const struct eng_scene *scene = straight->worker->scene;
+    const struct view *view = &straight->side[side];
+    const uint32_t *v = view->object->mesh->leaves[leaf].v;
+    if (straight->corners[side].is_there && straight->corners[side].leaf == leaf) {
+        return straight->corners[side].first;
+    }
+    uint32_t first = straight->point_count;
+    for (uint32_t i = 0; i < LEAF_POINTS; i++) {
+        struct eng_point *point = &straight->points[first + i];
+        uint32_t vertex = view->object->vertices.first + v[i];
+        memcpy(point->x0, scene->x[1 - scene->now][vertex], sizeof point->x0);
+        memcpy(point->x1, scene->x[scene->now][vertex], sizeof point->x1);
+        point->word0 = (uint64_t)view->index << 32 | vertex;
+        point->word1 = (uint64_t)view->object->id << 32 | v[i];
+    }
+    straight->point_count += LEAF_POINTS;
+    straight->corners[side].is_there = true;
+    straight->corners[side].leaf = leaf;
+    straight->corners[side].first = first;
+    return first;
+}
+
+/* A leaf of a side, and its corners among the points. */
+struct leaf {
+    const struct eng_face *face;
+    uint32_t number;
+    uint32_t object;
+    uint32_t first;
+};
+
+static void add_vf(struct chunk *chunk, const struct leaf *a, const struct leaf *b)
+{
+    uint32_t owned = b->face->owns & ENG_OWNS_FACE ? a->face->owns & 7u : 0;
+    for (; owned != 0; owned &= owned - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(owned);
+        uint32_t *quad = chunk->quads[chunk->count];
+        struct feature *features = chunk->features[chunk->count++];
+        features[0] = (struct feature){a->object, a->face->v[i], 0};
+        features[1] = (struct feature){b->object, b->number, 0};
+        quad[0] = a->first + i;
+        for (uint32_t k = 0; k < 3; k++) {
+            quad[1 + k] = b->first + k;
+        }
+    }
+}
+
+/* Write an edge of a leaf, its lower end first. */
+static void put_edge(const struct leaf *leaf, uint32_t i, struct feature *feature,
+                     uint32_t quad[2])
+{
+    uint32_t k = (i + 1) % 3;
+    bool is_turned = leaf->face->v[i] > leaf->face->v[k];
+    uint32_t low = is_turned ? k : i;
+    uint32_t high = is_turned ? i : k;
+    *feature = (struct feature){leaf->object, leaf->face->v[low], leaf->face->v[high]};
+    quad[0] = leaf->first + low;
+    quad[1] = leaf->first + high;
+}
+
+/* `a` is of the object with the lower id. */
+static void add_ee(struct chunk *chunk, const struct leaf *a, const struct leaf *b)
+{
+    for (uint32_t of_a = a->face->owns >> 3 & 7u; of_a != 0; of_a &= of_a - 1) {
+        for (uint32_t of_b = b->face->owns >> 3 & 7u; of_b != 0; of_b &= of_b - 1) {
+            uint32_t *quad = chunk->quads[chunk->count];
+            struct feature *features = chunk->features[chunk->count++];
+            put_edge(a, (uint32_t)__builtin_ctz(of_a), &features[0], quad);
+            put_edge(b, (uint32_t)__builtin_ctz(of_b), &features[1], quad + 2);
+        }
+    }
+}
+
+static bool has_room(const struct eng_straight *straight)
+{
+    return straight->point_count + 2 * LEAF_POINTS <= POINTS &&
+           straight->chunks[PCCD_VF].count + LEAF_PAIRS <= ENG_CHUNK_MAX &&
+           straight->chunks[PCCD_EE].count + LEAF_PAIRS <= ENG_CHUNK_MAX;
+}
+
+static void join_leaves(struct eng_straight *straight, const struct item *a,
+                        const struct item *b)
+{
+    const struct item *const items[2] = {a, b};
+    struct leaf leaf[2];
+    straight->worker->tally.leaf_pairs++;
+    if (!has_room(straight)) {
+        flush(straight);
+    }
+    for (int i = 0; i < 2; i++) {
+        const struct view *view = &straight->side[i];
+        leaf[i].number = items[i]->child & ~ENG_BODY_LEAF;
+        leaf[i].object = view->index;
+        leaf[i].face = &view->object->mesh->leaves[leaf[i].number];
+        leaf[i].first = corners_of(straight, i, leaf[i].number);
+    }
+    bool in_order = straight->side[0].object->id < straight->side[1].object->id;
+    add_vf(&straight->chunks[PCCD_VF], &leaf[0], &leaf[1]);
+    add_vf(&straight->chunks[PCCD_VF], &leaf[1], &leaf[0]);
+    add_ee(&straight->chunks[PCCD_EE], &leaf[in_order ? 0 : 1], &leaf[in_order ? 1 : 0]);
+}
+
+/* ---- two nodes --------------------------------------------------------------------- */
+
+/* Join what is below two items, whose boxes may meet. */
+static void join(struct eng_straight *straight, const struct item *a,
+                 const struct item *b)
+{
+    struct shadows shadows;
+    if (is_leaf(a) && is_leaf(b)) {
+        join_leaves(straight, a, b);
+        return;
+    }
+    if (++straight->looks >= LOOKS) {
+        straight->looks = 0;
+        straight->stops |= eng_worker_should_stop(straight->worker);
+    }
+    int side = opened_of(a, b);
+    const struct view *view = &straight->side[side];
+    uint32_t node = side == 0 ? a->child : b->child;
+    unsigned meet = may_meet(straight, view, node, side == 0 ? b : a, &shadows);
+    for (; meet != 0 && !straight->stops; meet &= meet - 1) {
+        struct item child =
+            child_of(view, node, (uint32_t)__builtin_ctz(meet), &shadows);
+        join(straight, side == 0 ? &child : a, side == 0 ? b : &child);
+    }
+}
+
+/* ---- tasks ------------------------------------------------------------------------- */
+
+/* Divide a task in at most four; returns how many of them may have pairs. */
+static uint32_t divide(void *owner, uint64_t task, uint64_t parts[4])
+{
+    struct eng_straight *straight = owner;
+    struct shadows of[2];
+    struct item a = item_of(straight, &straight->side[0], (uint32_t)(task >> 32), &of[0]);
+    struct item b = item_of(straight, &straight->side[1], (uint32_t)task, &of[1]);
+    struct shadows shadows;
+    uint32_t count = 0;
+    if (is_leaf(&a) && is_leaf(&b)) {
+        parts[0] = task;
+        return 1;
+    }
+    int side = opened_of(&a, &b);
+    uint32_t node = side == 0 ? a.child : b.child;
+    unsigned meet = may_meet(straight, &straight->side[side], node, side == 0 ? &b : &a,
+                             &shadows);
+    for (; meet != 0; meet &= meet - 1) {
+        uint64_t ref = 4 * (uint64_t)node + (uint32_t)__builtin_ctz(meet) + 1;
+        parts[count++] = side == 0 ? ref << 32 | b.ref : (uint64_t)a.ref << 32 | ref;
+    }
+    return count;
+}
+
+uint32_t eng_straight_split(struct eng_straight *straight, uint32_t most, uint64_t *tasks)
+{
+    return eng_body_split(most, tasks, divide, straight);
+}
+
+void eng_straight_perform(struct eng_straight *straight, uint64_t task)
+{
+    struct shadows of[2];
+    struct item a = item_of(straight, &straight->side[0], (uint32_t)(task >> 32), &of[0]);
+    struct item b = item_of(straight, &straight->side[1], (uint32_t)task, &of[1]);
+    join(straight, &a, &b);
+}
+
+void eng_straight_end(struct eng_straight *straight, struct eng_worker *worker)
+{
+    straight->worker = worker;
+    flush(straight);
+}
