@@ -72,7 +72,8 @@ ctl near --distance 1 --what vertices --csv - floor.obj above.obj && cp out rows
 1,2,0.5
 2,0,0.5
 2,1,$(awk -F, '$1 == 2 && $2 == 1 { print $3 }' rows)
-2,2,$(awk -F, '$1 == 2 && $2 == 2 { print $3 }' rows)" && grep -q '^near  *6 vertices' err
+2,2,$(awk -F, '$1 == 2 && $2 == 2 { print $3 }' rows)" && grep -q '^near  *6 vertices' err &&
+    grep -q '^nearest  *vertex 0 of "floor" at (0, 0, 0)$' err
 report "vertices: a bound for each, in the order of files; --csv - keeps the report off stdout"
 
 # Otherwise a surface that is pierced would be called free of intersections.

@@ -263,7 +263,7 @@ void report_print_place(FILE *to, const char *head, const char *verb,
                         const struct report_scene *scene,
                         const struct report_first *first)
 {
-    for (int side = 0; side < 2 && first->is_known; side++) {
+    for (int side = 0; side < (first->is_alone ? 1 : 2) && first->is_known; side++) {
         uint32_t points = common_kinds[first->kind].points[side];
         fprintf(to, "%s%s %" PRIu32, side == 0 ? head : verb,
                 common_feature_names[points], first->feature[side]);

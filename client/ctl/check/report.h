@@ -66,6 +66,7 @@ struct report_pair {
 /* The earliest contact of a step, and where it is. */
 struct report_first {
     bool is_known;
+    bool is_alone; /* the first feature alone is told */
     uint32_t kind;
     uint32_t part[2];    /* number of the name; REPORT_NO_PART: it has none */
     uint32_t feature[2]; /* vertex, or face; of an edge its lower vertex .. */

@@ -201,7 +201,7 @@ json_t *report_place(const struct report_scene *scene, const struct report_first
         return json_null();
     }
     json_t *object = json_object();
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; side < (first->is_alone ? 1 : 2); side++) {
         uint32_t points = common_kinds[first->kind].points[side];
         json_t *element = json_object();
         if (first->part[side] != REPORT_NO_PART) {

@@ -10,6 +10,7 @@ struct question {
     void *context;
     struct pccd_near shown; /* the nearest record so far, or the deepest; .. */
     double distance;        /* .. its own, INFINITY before the first */
+    uint64_t vertex;        /* of bounds in its place: the number among all objects' */
 };
 
 static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
@@ -32,6 +33,12 @@ static void show_page(void *context, const struct pccd_answer *page)
             question->shown = page->near[i];
         }
     }
+    for (uint64_t i = 0; page->vertex_bounds != NULL && i < page->count; i++) {
+        if (page->vertex_bounds[i] < question->distance) {
+            question->distance = page->vertex_bounds[i];
+            question->vertex = page->first + i;
+        }
+    }
     if (question->page != NULL) {
         question->page(question->context, page);
     }
@@ -49,24 +56,52 @@ static int name_objects(struct near_run *near, struct ctl_error *error)
                                : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
 }
 
+/* Return the vertex that has the least bound as a record of it with itself: bounds come by
+ * increasing handle. */
+static struct pccd_near vertex_of(const struct near_run *near, uint64_t vertex)
+{
+    struct pccd_near record = {.kind = PCCD_VV};
+    for (uint32_t handle = 0;;) {
+        const struct scene_object *next = NULL;
+        for (uint32_t i = 0; i < near->scene.object_count; i++) {
+            const struct scene_object *object = &near->scene.objects[i];
+            if (object->handle > handle &&
+                (next == NULL || object->handle < next->handle)) {
+                next = object;
+            }
+        }
+        if (next == NULL || vertex < next->info.vertex_count) {
+            record.object_a = record.object_b = next != NULL ? next->handle : 0;
+            record.feature_a = record.feature_b = (uint32_t)vertex;
+            return record;
+        }
+        vertex -= next->info.vertex_count;
+        handle = next->handle;
+    }
+}
+
 /* Say where the record is that is shown. */
 static int find_place(struct near_run *near, const struct question *question,
                       struct report_first *place, struct ctl_error *error)
 {
-    const struct pccd_near *record = &question->shown;
+    bool is_vertex = near->settings.what == PCCD_NEAR_VERTICES;
+    const struct pccd_near vertex = vertex_of(near, question->vertex);
+    const struct pccd_near *record = is_vertex ? &vertex : &question->shown;
     const struct pccd_contact contact = {.kind = record->kind,
                                          .object_a = record->object_a,
                                          .object_b = record->object_b,
                                          .feature_a = record->feature_a,
                                          .feature_b = record->feature_b,
                                          .param = {record->param[0], record->param[1]}};
-    if (isinf(question->distance)) {
-        return PCCD_OK;
+    if (isinf(question->distance) ||
+        (is_vertex && question->distance >= near->settings.distance)) {
+        return PCCD_OK; /* there is none */
     }
     int status = near->names == NULL ? name_objects(near, error) : PCCD_OK;
     if (status == PCCD_OK) {
         status = check_run_place(&near->run, &near->scene, 0, &contact, place, error);
     }
+    place->is_alone = is_vertex;
     place->part[0] = scene_place_of(&near->scene, record->object_a);
     place->part[1] = scene_place_of(&near->scene, record->object_b);
     return status;
