@@ -56,8 +56,8 @@ static int name_objects(struct near_run *near, struct ctl_error *error)
                                : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
 }
 
-/* Return the vertex that has the least bound as a record of it with itself: bounds come by
- * increasing handle. */
+/* Return the vertex that has the least bound as a record of it with itself: bounds come
+ * by increasing handle. */
 static struct pccd_near vertex_of(const struct near_run *near, uint64_t vertex)
 {
     struct pccd_near record = {.kind = PCCD_VV};
