@@ -792,6 +792,21 @@ class Near(InBrowser):
                 self.assertEqual(self.browser.said(), [])
 
 
+    # If it failed, a page would count what it lists nowhere, above an empty list.
+    def test_bounds__are_counted_and_it_is_said_who_lists_them(self):
+        for name, text in (("floor", FLOOR), ("needle", NEEDLE.format(0.5))):
+            with open(os.path.join(All.folder, f"{name}.obj"), "w") as file:
+                file.write(text)
+        pccdctl("record", "-o", "bounds.rec", "--", os.environ["PCCDCTL"], "near",
+                "--what", "vertices", "--distance", "1", "--repeat", "0", "needle.obj",
+                "floor.obj", folder=All.folder)
+        pccdctl("inspect", "bounds.rec", "-o", "bounds.html", folder=All.folder)
+        self.open(os.path.join(All.folder, "bounds.html"))
+        self.assertIn("6 vertices with their bounds", self.text("sentence"))
+        self.assertIn("pccdctl near --csv - lists them", self.text("sentence"))
+        self.assertFalse(self.is_seen("list-part"))
+
+
 # The places of the contacts' sticks: from the second feature to the first.
 STICKS = """
     const step = pccd.data.step(0);
