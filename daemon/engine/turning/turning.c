@@ -25,6 +25,7 @@ struct eng_turning {
     double separation;
     double clearance; /* in the place of the radii; negative: there is none */
     double delta;
+    double period; /* what has not met by then never does; INFINITY: it does not repeat */
     struct eng_worker *worker; /* of the task that is performed, or divided */
     bool has_limit;            /* some pairs of the task took too many looks */
     bool only_proves;          /* what is possible is not recorded, and has_limit then */
@@ -107,21 +108,40 @@ static double delta_of(struct eng_turning *turning, double resolution)
     return eng_most(resolution, least);
 }
 
+/* Least double above two pi. */
+#define TURN 0x1.921fb54442d19p+2
+
+/* Return the time after which the two have been wherever they ever are beside each other:
+ * one turn, where one joint alone moves them, and the first stands. It is rounded up. */
+static double period_of(const struct eng_turning *turning)
+{
+    const struct eng_path *path = &turning->path;
+    const struct eng_body *body = turning->side[0].body;
+    return path->count == 1 && path->joints[0].kind == PCCD_JOINT_TURN &&
+                   body->boxes[0] == body->boxes[1]
+               ? TURN / fabs(path->joints[0].by[0]) * (1 + 0x1p-40)
+               : INFINITY;
+}
+
 static bool take(void *owner, const struct eng_sweep_pair *found);
 
 /* By so much more than the tolerance a contact may begin after its toi: for rounding. */
 #define BEGINS_LATER 0x1p-48
 
-/* Leave out what may come near after the bound. A record is kept for its toi, and by then
+/* Who begins to meet later is not wanted. */
+static double end_of(const struct eng_turning *turning)
+{
+    double bound = turning->is_bounded ? turning->worker->time_bound : INFINITY;
+    return eng_least(bound, turning->period);
+}
+
+/* Leave out what may come near after the end. A record is kept for its toi, and by then
  * its features need not have come near: they do so within the tolerance. So no record
  * that is kept in the end depends on how soon the bound was known. */
 static void take_bound(struct eng_turning *turning)
 {
-    const struct eng_worker *worker = turning->worker;
     turning->sweep.t_end =
-        turning->is_bounded
-            ? worker->time_bound + worker->question->tolerance + BEGINS_LATER
-            : INFINITY;
+        end_of(turning) + turning->worker->question->tolerance + BEGINS_LATER;
 }
 
 static bool should_stop(void *owner)
@@ -151,6 +171,7 @@ int eng_turning_begin(struct eng_turning *turning,
     turning->clearance = objects->clearance;
     turning->only_proves = false;
     turning->delta = delta_of(turning, objects->resolution);
+    turning->period = period_of(turning);
     double radii = objects->clearance >= 0 ? objects->clearance
                                            : eng_thickness_most(side[0].object) +
                                                  eng_thickness_most(side[1].object);
@@ -310,7 +331,7 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
     const uint64_t looks = turning->sweep.tests_most;
     const struct eng_turning_limits limits = {.delta = turning->delta,
                                               .tolerance = worker->question->tolerance,
-                                              .t_end = worker->time_bound,
+                                              .t_end = end_of(turning),
                                               .from = found->span[0],
                                               .to = found->span[1],
                                               .looks_max = looks < ENG_TURNING_LOOKS_MAX
