@@ -517,9 +517,10 @@ struct pccd_step_settings {
                                 if they leave r and come back; 0.1, say */
     bool tells_start;        /* say how the step begins, too: `crossings` and
                                 `start_inside` of the answer. It costs about as much as
-                                the question CROSSINGS of pccd_near.h. Not of a batch,
-                                nor with `hold` (E_INVAL). E_VERSION: the daemon is
-                                older than this */
+                                the question CROSSINGS of pccd_near.h; bodies that turn
+                                begin at their places as these are rounded. Not of a
+                                batch, nor with `hold` (E_INVAL). E_VERSION: the daemon
+                                is older than this */
     /* What becomes of two features that touch at t = 0, or are too near then; not in mode
      * pairs. 0: they are a contact at t = 0. TOLD: that has one of three flags, too,
      * which say what happens just after t = 0, exactly. PCCD_ENTERS: it approaches, the

@@ -524,7 +524,9 @@ static void add_work(const struct eng_step_result *near, struct eng_step_result 
 }
 
 /* Tell how it began, and what that leaves of its answer. Who does not know all of it does
- * not say that it is free. */
+ * not say that it is free. Where objects turn it began at places that are rounded: that
+ * edges pass through faces there proves nothing; but where none does, and no pair is so
+ * near that its record says so, none does at the true places. */
 static void tell_start(struct eng_scene *scene, const struct eng_question *question,
                        struct eng_step_result *result)
 {
@@ -537,7 +539,9 @@ static void tell_start(struct eng_scene *scene, const struct eng_question *quest
     result->crossings = near.crossings;
     result->start_inside = near.count;
     if (result->verdict == PCCD_VERDICT_NO && !(is_known && is_free)) {
-        result->verdict = is_known ? PCCD_VERDICT_YES : PCCD_VERDICT_NONE;
+        result->verdict = !is_known                  ? PCCD_VERDICT_NONE
+                          : scene->turning_count > 0 ? PCCD_VERDICT_POSSIBLE
+                                                     : PCCD_VERDICT_YES;
         eng_hash_verdict((uint32_t)result->verdict, result->hash);
         result->safe_step = 0;
     }

@@ -554,17 +554,16 @@ CASE(turning__refuses_what_has_no_answer)
     kit_step(kit.scene, &settings);
     double before[8][3];
     memcpy(before, eng_scene_positions(kit.scene, kit.idx[0], 1), sizeof before);
-    for (int what = 0; what < 6; what++) {
+    for (int what = 0; what < 5; what++) {
         struct eng_step_result result;
         struct eng_question asked = ENG_QUESTION_DEFAULT;
         assert_null(eng_turning_refuses(&asked));
         asked.mode = what == 0 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
         asked.approach = what == 1 ? 0.5 : 0;
         asked.touching = what == 2 ? PCCD_TOUCHING_LEFT_OUT : PCCD_TOUCHING_KEPT;
-        asked.tells_start = what == 3;
-        asked.span[0] = what == 4 ? 0.5 : 0;
-        asked.resolution = what == 5 ? -1 : 0;
-        assert_true(what == 5 || eng_turning_refuses(&asked));
+        asked.span[0] = what == 3 ? 0.5 : 0;
+        asked.resolution = what == 4 ? -1 : 0;
+        assert_true(what == 4 || eng_turning_refuses(&asked));
         check_staging(kit.scene, kit.idx[0], &joint);
         assert_int_equal(eng_step(kit.scene, &asked, &result), PCCD_E_INVAL);
         assert_memory_equal(before, eng_scene_positions(kit.scene, kit.idx[0], 1),
@@ -575,6 +574,64 @@ CASE(turning__refuses_what_has_no_answer)
     struct eng_step_result result;
     settings.span[1] = 0.5; /* a part of the step that was */
     assert_int_equal(eng_step(kit.scene, &settings, &result), PCCD_E_INVAL);
+}
+
+/* If it failed: a bar that turns about itself in the middle of a plate, and so meets
+ * nothing on its way, would be called free; or one beside it would not. */
+CASE(turning__tells_how_it_begins)
+{
+    static const double plate[3][3] = {{0.5, -9, -9}, {0.5, 9, -9}, {0.5, 0, 18}};
+    static const uint32_t corners[1][3] = {{0, 1, 2}};
+    struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 3);
+    joint.axis[0] = 1;
+    joint.axis[2] = 0;
+    for (int way = 0; way < 8; way++) {
+        bool crosses = way % 2 == 0;
+        struct eng_question asked = ENG_QUESTION_DEFAULT;
+        asked.mode = way / 2 % 2 == 0 ? PCCD_MODE_FIRST : PCCD_MODE_ANY;
+        asked.tells_start = way < 4;
+        kit_begin_with(bar(crosses ? 0 : 0.75), kit_mesh(plate, 3, corners, 1));
+        check_staging(kit.scene, kit.idx[0], &joint);
+        struct eng_step_result result = kit_step(kit.scene, &asked);
+        bool is_told = crosses && asked.tells_start;
+        assert_int_equal(result.count, 0);
+        assert_int_equal(result.crossings > 0, is_told);
+        assert_true(result.safe_step == (is_told ? 0 : 1));
+        if (asked.mode == PCCD_MODE_ANY) {
+            assert_int_equal(result.verdict,
+                             is_told ? PCCD_VERDICT_POSSIBLE : PCCD_VERDICT_NO);
+        }
+    }
+}
+
+/* If it failed: a wheel that turns very often would cost as much as often as it turns, or
+ * what it meets in its first turn be told of a later one, or not. */
+CASE(turning__many_turns_cost_hardly_more_than_one)
+{
+    const double two_pi = 2 * M_PI;
+    for (int meets = 0; meets < 2; meets++) {
+        const double low[3] = {meets ? 0.9 : 1.01, -0.04, -0.03};
+        const double high[3] = {2, 0.03, 0.04};
+        uint64_t tests[2];
+        double toi[2];
+        for (int often = 0; often < 2; often++) {
+            double turns = often ? 1e5 : 1;
+            struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 0);
+            joint.from[0] = 1;
+            joint.to[0] = 1 + turns * two_pi;
+            kit_begin_with(bar(0), kit_box(low, high, false));
+            check_staging(kit.scene, kit.idx[0], &joint);
+            struct eng_question asked = ENG_QUESTION_DEFAULT;
+            struct eng_step_result result = kit_step(kit.scene, &asked);
+            assert_int_equal(result.incomplete, PCCD_COMPLETE);
+            assert_int_equal(result.count > 0, meets);
+            assert_int_equal(result.possible, 0);
+            tests[often] = result.counters.box_tests + result.counters.leaf_pairs;
+            toi[often] = result.toi_first * turns;
+        }
+        assert_in_range(tests[1], 0, 20 * tests[0]);
+        assert_true(!meets || fabs(toi[1] - toi[0]) < 1e5 * 2e-6);
+    }
 }
 
 /* If it failed: a bad table would be staged, or not named; or staging that is given up

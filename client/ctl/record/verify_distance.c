@@ -478,8 +478,11 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
         return now == NULL || now->crossings + now->start_inside == 0 ||
                verify_wrong(result, step, NULL, "it tells how it begins, unasked");
     }
-    if (!verify_is_complete(step) || verify_has_turning(step)) {
+    if (!verify_is_complete(step)) {
         return true;
+    }
+    if (verify_has_turning(step)) {
+        return verify_leave(result, "bodies turn: how it begins is not checked");
     }
     const struct registry_pairs *pairs = &step->scene->pairs;
     for (uint32_t i = 0; i < pairs->count && step->separation.approach > 0; i++) {

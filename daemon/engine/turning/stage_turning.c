@@ -61,7 +61,6 @@ const char *eng_turning_refuses(const struct eng_question *question)
     return question->mode == PCCD_MODE_PAIRS ? "mode pairs"
            : question->approach > 0          ? "an approach"
            : eng_asks_touching(question)     ? "what becomes of what touches"
-           : question->tells_start           ? "how a step begins"
            : eng_asks_part(question)         ? "a part of a step"
            : question->weigh                 ? "weights of candidates"
                                              : NULL;
