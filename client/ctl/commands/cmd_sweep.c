@@ -310,11 +310,6 @@ static int set_pairs(const struct command *command, struct robot *robot,
         const char *text = command->apart.list[i];
         status = set_pair(robot, "allow", text, text + strlen(text), ROBOT_APART, error);
     }
-    if (status == PCCD_OK && command->least > 0 && robot_has_clearances(robot)) {
-        status = ctl_error_set(error, PCCD_E_INVAL,
-                               "--least: two parts have a clearance of their own, "
-                               "and the least distance of all says nothing then");
-    }
     return status;
 }
 

@@ -12,7 +12,6 @@
 #define POSES       7u /* that are paler */
 #define PALE        0.75f
 #define AXIS_WEIGHT 1.3f /* of the turning axis, to the eye */
-#define ROOM        1e-3 /* of the size, more than the distance at which parts meet */
 #define MARK        (PICTURE_COLOURS - 1)
 
 static const float pair_colours[2][3] = {{0.16f, 0.42f, 0.86f}, {0.95f, 0.42f, 0.12f}};
@@ -188,20 +187,6 @@ static void name_scene(const struct drawing *drawing, bool is_found, char *title
     }
 }
 
-/* Return about how large the shapes are. */
-static double size_of(const struct drawing *drawing)
-{
-    double size = 0;
-    for (uint32_t i = 0; i < drawing->sweep->robot->shape_count; i++) {
-        const struct ctl_mesh *mesh = &drawing->sweep->robot->shapes[i].mesh;
-        const double *x = mesh->x;
-        for (size_t k = 3; k < 3 * (size_t)mesh->vertex_count; k++) {
-            size = fmax(size, fabs(x[k] - x[k % 3]));
-        }
-    }
-    return size;
-}
-
 /* Draw what is nearest at the values, and everything else. */
 static int draw(struct drawing *drawing, FILE *file, const char *path)
 {
@@ -209,10 +194,8 @@ static int draw(struct drawing *drawing, FILE *file, const char *path)
     double points[2][3] = {{0, 0, 0}, {0, 0, 0}};
     bool is_found = false;
     char title[96];
-    double distance = drawing->scene->worth == SWEEP_WORTH_LEAST ? drawing->scene->least
-                                                                 : sweep->clearance;
-    int status = sweep_nearest(sweep, drawing->values, distance + ROOM * size_of(drawing),
-                               drawing->shapes, points, &is_found);
+    int status =
+        sweep_nearest(sweep, drawing->values, drawing->shapes, points, &is_found);
     if (status != PCCD_OK) {
         return status;
     }

@@ -27,8 +27,7 @@ struct sweep {
     double clearance; /* a distance that parts keep which have none of their own; 0: they
                        * may not touch */
     double bracket;             /* of a jam, at most, in radians or the file's unit */
-    double least;        /* find the least distance to this part of the size; 0: do not;
-                          * not where pairs have a clearance of their own */
+    double least;        /* find the least distance to this part of the size; 0: do not */
     uint32_t limit;      /* of motions for a range of several joints */
     uint32_t threads;    /* at most; 0: the daemon decides */
     uint32_t scene;      /* ours, as is what follows */
@@ -68,11 +67,11 @@ int sweep_look(struct sweep *sweep, struct sweep_hit *hit);
 void sweep_pose(struct sweep *sweep, const double *values, uint32_t shape, double m[12]);
 
 /* Find the nearest points of two shapes at these values of all joints, on what the radii
- * are around; of all that may meet where shapes[0] is shapes[1], which become those.
- * *is_found: there are such points; with round shapes, within `distance` and the radii.
- * Errors: those of sweep_ask, pccd_near.h and pccd_points.h. */
-int sweep_nearest(struct sweep *sweep, const double *values, double distance,
-                  uint32_t shapes[2], double points[2][3], bool *is_found);
+ * are around; of all that may meet where shapes[0] is shapes[1], which become those, of
+ * the least distance above what they keep. *is_found: there are such points. Errors:
+ * those of sweep_ask, pccd_near.h and pccd_points.h. */
+int sweep_nearest(struct sweep *sweep, const double *values, uint32_t shapes[2],
+                  double points[2][3], bool *is_found);
 
 /* Ask for the motions of a file, {"from": VALUES, "to": VALUES} a line, in which all
  * joints move at once; VALUES: a list of all that have their own, or an object of some.
@@ -112,7 +111,8 @@ struct sweep_answer {
     double undecided;       /* part of the range, 0 .. 1 */
     struct sweep_box *gaps; /* ours: [gap_count], where that is */
     size_t gap_count, gap_room;
-    /* Least distance of the parts over the range, a bracket; [1] INFINITY: not asked. */
+    /* Least distance of the parts over the range, a bracket; [1] INFINITY: not asked.
+     * Where pairs have a clearance of their own: above that of each. */
     double least[2];
     struct sweep_jam nearest; /* where they are as near as least[1] */
 };

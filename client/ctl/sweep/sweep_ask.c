@@ -34,12 +34,21 @@ static int put_shape(struct sweep *sweep, struct robot_shape *shape)
                              : status;
 }
 
+/* Return the distance that two shapes keep, of which neither may be ignored. */
+static double clearance_of(const struct sweep *sweep, const struct robot_shape *a,
+                           const struct robot_shape *b)
+{
+    double clearance = robot_clearance(sweep->robot, a->part, b->part);
+    return clearance == ROBOT_PLAIN
+               ? a->settings.radius + b->settings.radius + sweep->clearance
+               : clearance;
+}
+
 /* Say how near two shapes may come. If any two have a clearance of their own, each pair
  * has, and the separation is only what is searched with. */
 static int set_pair(struct sweep *sweep, const struct robot_shape *a,
                     const struct robot_shape *b)
 {
-    double clearance = robot_clearance(sweep->robot, a->part, b->part);
     if (robot_never_asks(sweep->robot, a->part, b->part)) {
         return pccd_pair_ignore(sweep->client, sweep->scene, a->handle, b->handle, true);
     }
@@ -47,11 +56,8 @@ static int set_pair(struct sweep *sweep, const struct robot_shape *a,
     if (!robot_has_clearances(sweep->robot)) {
         return PCCD_OK;
     }
-    if (clearance == ROBOT_PLAIN) {
-        clearance = a->settings.radius + b->settings.radius + sweep->clearance;
-    }
     return pccd_pair_clearance(sweep->client, sweep->scene, a->handle, b->handle,
-                               clearance);
+                               clearance_of(sweep, a, b));
 }
 
 int sweep_begin(struct sweep *sweep)
@@ -235,19 +241,22 @@ static int find_points(struct sweep *sweep, const double *values,
     return status;
 }
 
-/* Return how far the surfaces of two shapes of a record are apart. */
-static double gap_of(const struct robot *robot, const struct pccd_near *near)
+/* Return by how much the distance of two shapes of a record is above what they keep. */
+static double gap_of(const struct sweep *sweep, const struct pccd_near *near)
 {
-    return near->d_lo - robot->shapes[shape_of(robot, near->object_a)].settings.radius -
-           robot->shapes[shape_of(robot, near->object_b)].settings.radius;
+    const struct robot *robot = sweep->robot;
+    return near->d_lo - clearance_of(sweep,
+                                     &robot->shapes[shape_of(robot, near->object_a)],
+                                     &robot->shapes[shape_of(robot, near->object_b)]);
 }
 
-/* Take the record of two shapes whose surfaces are nearest; of any two, if both are one.
- */
-static const struct pccd_near *least_of(const struct robot *robot,
+/* Take the record of two shapes that are nearest beside what they keep; of any two, if
+ * both are one. */
+static const struct pccd_near *least_of(const struct sweep *sweep,
                                         const struct pccd_answer *answer,
                                         const uint32_t shapes[2])
 {
+    const struct robot *robot = sweep->robot;
     const struct pccd_near *least = NULL;
     for (uint64_t i = 0; i < answer->count; i++) {
         const struct pccd_near *near = &answer->near[i];
@@ -255,24 +264,20 @@ static const struct pccd_near *least_of(const struct robot *robot,
         set_shapes(robot, near->object_a, near->object_b, &of);
         bool is_asked =
             shapes[0] == shapes[1] || memcmp(of.shapes, shapes, sizeof of.shapes) == 0;
-        if (is_asked && (least == NULL || gap_of(robot, near) < gap_of(robot, least))) {
+        if (is_asked && (least == NULL || gap_of(sweep, near) < gap_of(sweep, least))) {
             least = near;
         }
     }
     return least;
 }
 
-int sweep_nearest(struct sweep *sweep, const double *values, double distance,
-                  uint32_t shapes[2], double points[2][3], bool *is_found)
+int sweep_nearest(struct sweep *sweep, const double *values, uint32_t shapes[2],
+                  double points[2][3], bool *is_found)
 {
     const struct robot *robot = sweep->robot;
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct sweep_hit hit;
-    double most = 0;
-    for (uint32_t i = 0; i < robot->shape_count; i++) {
-        most = fmax(most, robot->shapes[i].settings.radius);
-    }
     settings.what = PCCD_NEAR_NEAREST;
     settings.distance = INFINITY;
     settings.end = 0;
@@ -282,13 +287,8 @@ int sweep_nearest(struct sweep *sweep, const double *values, double distance,
         return status;
     }
     status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
-    if (status == PCCD_E_INVAL) { /* round shapes: it knows of triangles alone */
-        settings.what = PCCD_NEAR_FEATURES;
-        settings.distance = distance + 2 * most;
-        status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
-    }
     const struct pccd_near *least =
-        status == PCCD_OK ? least_of(robot, &answer, shapes) : NULL;
+        status == PCCD_OK ? least_of(sweep, &answer, shapes) : NULL;
     *is_found = least != NULL;
     if (least != NULL) {
         set_shapes(robot, least->object_a, least->object_b, &hit);

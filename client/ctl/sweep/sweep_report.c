@@ -139,8 +139,10 @@ void sweep_report_range(FILE *to, const struct sweep *sweep,
         print_gaps(to, robot, range, answer);
     }
     if (isfinite(answer->least[1])) {
-        fprintf(to, "  least distance  %.12g to %.12g: %s and %s, at ", answer->least[0],
-                answer->least[1], part_of(robot, answer->nearest.shapes[0]),
+        fprintf(to, "  least distance  %.12g to %.12g%s: %s and %s, at ",
+                answer->least[0], answer->least[1],
+                robot_has_clearances(robot) ? " above the clearance" : "",
+                part_of(robot, answer->nearest.shapes[0]),
                 part_of(robot, answer->nearest.shapes[1]));
         print_box(to, robot, range, &answer->nearest.at);
         fprintf(to, "\n");
@@ -234,8 +236,11 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
     json_set(value, "undecided", json_real(answer->undecided), &ok);
     json_set(value, "undecided_boxes", gaps, &ok);
     bool has_least = isfinite(answer->least[1]);
-    json_set(value, "least_distance", has_least ? interval(answer->least) : json_null(),
-             &ok);
+    bool is_above = robot_has_clearances(robot);
+    json_set(value, "least_distance",
+             has_least && !is_above ? interval(answer->least) : json_null(), &ok);
+    json_set(value, "least_above_clearance",
+             has_least && is_above ? interval(answer->least) : json_null(), &ok);
     json_set(value, "nearest",
              has_least ? jam_json(robot, range, &answer->nearest, &ok) : json_null(),
              &ok);
