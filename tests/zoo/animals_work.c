@@ -204,6 +204,7 @@ bool zoo_stops_itself(struct zoo_cage *cage)
 
 #define CHAIN       64u
 #define HURRIED_MAX 400000.0 /* an angle */
+#define PATIENCE_MS 120000
 
 /* A triangle above a floor, on a chain of turns about one axis; each by `angle`. */
 static const struct turn {
@@ -251,6 +252,9 @@ bool zoo_turns_about(struct zoo_cage *cage)
 {
     struct zoo_scene scene;
 
+    if (cage->patient) { /* 2^20 turns take seconds, beside others more */
+        test_raw_wait_ms = PATIENCE_MS;
+    }
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
     EXPECT(cage, zoo_build(cage, &raw, &scene));
     for (size_t n = 0; n < sizeof turns / sizeof turns[0]; n++) {
