@@ -143,7 +143,8 @@ harmless 2 "$PCCDCTL" render -o "$evil.jpg" some.rec
 harmless 2 "$PCCDCTL" list "$evil"
 harmless 2 "$PCCDCTL" "$evil"
 harmless 3 "$PCCDCTL" ping --socket "$work/$evil"
-harmless 4 "$PCCDCTL" record -o "$evil.rec" -- true
+mkdir "$evil"
+harmless 4 "$PCCDCTL" record -o "$evil" -- true
 [ -z "$has_page" ] || harmless 0 "$PCCDCTL" inspect -o "$evil.html" some.rec
 harmless 4 "$load" --csv "/nowhere/$evil" --clients 1
 harmless 2 "$load" --clients "$evil"
