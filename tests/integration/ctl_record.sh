@@ -58,7 +58,8 @@ twice && [ "$(grep -c '^pccdctl: two.rec.*2 steps, 2 answers' said)" -eq 2 ] && 
     [ "$(echo two.rec*)" = "two.rec two.rec-2 two.rec-9 two.rec-old" ] &&
     [ "$(grep -c '^pccdctl: two.rec.*2 steps, 2 answers' said)" -eq 2 ] &&
     "$PCCDCTL" record -- "$PCCDCTL" load --times 1 --socket "$work/s" frame0.ply frame1.ply >>"$log" 2>said &&
-    grep -q '^pccdctl: pccdctl.rec: ' said && [ -s pccdctl.rec ] &&
+    grep -q '^pccdctl: pccdctl.rec: ' said && [ -s pccdctl.rec ] && cp two.rec kept.rec &&
+    ! "$PCCDCTL" record -o kept.rec -- true 2>>"$log" && cmp kept.rec two.rec && [ "$(echo kept*)" = kept.rec ] &&
     mkfifo pipe && ! "$PCCDCTL" record -o pipe -- true 2>said &&
     grep -q 'is not a file' said && [ -p pipe ]
 report record__removes_what_belongs_to_it

@@ -215,18 +215,32 @@ static int remove_others(const char *path)
     return status;
 }
 
-/* Make room for FILE, or say why there is none. */
-static int clear(const struct record_command *command)
+/* Make room for FILE, or say why there is none. What was there goes to *aside, ours to
+ * free. */
+static int clear(const struct record_command *command, char **aside)
 {
     struct stat info;
     bool is_there = lstat(command->path, &info) == 0;
     if (is_there && !S_ISREG(info.st_mode) && !S_ISLNK(info.st_mode)) {
         return ctl_complain("%s is not a file", command->path); /* /dev/null */
     }
-    if (is_there && unlink(command->path) != 0) {
+    if (is_there && asprintf(aside, "%s.before-%ld", command->path, (long)getpid()) < 0) {
+        *aside = NULL;
+        return ctl_complain("out of memory");
+    }
+    if (is_there && rename(command->path, *aside) != 0) {
         return ctl_complain("%s: %s", command->path, strerror(errno));
     }
     return remove_others(command->path);
+}
+
+/* Remove what was there, or put it back if nothing has come in its place. */
+static void settle(const char *path, char *aside)
+{
+    if (aside != NULL && (access(path, F_OK) == 0 || rename(aside, path) != 0)) {
+        (void)unlink(aside);
+    }
+    free(aside);
 }
 
 /* The file of a client of the program, from 1; NULL without memory. */
@@ -335,7 +349,7 @@ static int report_all(const struct record_command *command,
 int ctl_cmd_record(int argc, char **argv)
 {
     struct record_command command = {.level = LEVEL_UNSET};
-    char *name = NULL;
+    char *name = NULL, *aside = NULL;
     if (option_parse(&ctl_table_record, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }
@@ -344,7 +358,8 @@ int ctl_cmd_record(int argc, char **argv)
     if (command.path == NULL) {
         command.path = name = output_name(command.program.list[0], ".rec");
     }
-    int status = command.path != NULL ? clear(&command) : ctl_complain("out of memory");
+    int status =
+        command.path != NULL ? clear(&command, &aside) : ctl_complain("out of memory");
     if (status == CTL_DONE) {
         status = set_environment(&command);
     }
@@ -356,6 +371,7 @@ int ctl_cmd_record(int argc, char **argv)
         int recorded = report_all(&command, was_there);
         status = status != 0 ? status : recorded; /* the program's error comes first */
     }
+    settle(command.path, aside);
     free(name);
     return status;
 }
