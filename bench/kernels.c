@@ -115,10 +115,10 @@ static void with_filter(struct records *records, const struct bench_candidates *
         const uint32_t(*quads)[4] = (const uint32_t(*)[4])records->quads + i;
         uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
         if (!answers) {
-            uint32_t kept =
-                kernels->reject_axes(c->kind, records->points, quads, n, batch->left);
-            use(kernels->filter(c->kind, records->points, quads, batch->left, kept,
-                                batch->left));
+            uint32_t kept = kernels->reject_axes(
+                (struct eng_quads){c->kind, records->points, quads}, n, batch->left);
+            use(kernels->filter((struct eng_quads){c->kind, records->points, quads},
+                                batch->left, kept, batch->left));
             continue;
         }
         const struct eng_pairs pairs = {.question = &asked,

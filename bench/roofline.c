@@ -426,15 +426,16 @@ static void test_chunk(struct bench *bench, enum pccd_kind kind,
     test_pairs(bench, kind, chunk);
     make_quads(bench, kind, chunk);
     uint64_t begin_ns = common_now_ns();
-    uint32_t kept = kernels->reject_axes(kind, points, quads, chunk->count, bench->pairs);
+    uint32_t kept = kernels->reject_axes((struct eng_quads){kind, points, quads},
+                                         chunk->count, bench->pairs);
     count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, chunk->count);
     for (uint32_t i = 0; i < kept; i++) {
         bench->sifted.a[i] = chunk->a[bench->pairs[i]];
         bench->sifted.b[i] = chunk->b[bench->pairs[i]];
     }
     begin_ns = common_now_ns();
-    uint32_t left =
-        kernels->filter(kind, points, quads, bench->pairs, kept, bench->pairs);
+    uint32_t left = kernels->filter((struct eng_quads){kind, points, quads}, bench->pairs,
+                                    kept, bench->pairs);
     count_part(bench, is_vf ? PART_FILTER_VF : PART_FILTER_EE, begin_ns, kept);
     outcome->filtered += left;
     outcome->sum += mix(left, kept);
@@ -450,7 +451,8 @@ static void test_chunk(struct bench *bench, enum pccd_kind kind,
                                 .hits = bench->batch.hits,
                                 .unsure = bench->batch.unsure};
     begin_ns = common_now_ns();
-    kernels->bracket(kind, points, quads, bench->pairs, left, TOLERANCE, 1, &out);
+    kernels->bracket((struct eng_quads){kind, points, quads}, bench->pairs, left,
+                     TOLERANCE, 1, &out);
     count_part(bench, is_vf ? PART_BRACKET_VF : PART_BRACKET_EE, begin_ns, left);
     outcome->sum += mix(out.hit_count, out.unsure_count) + left;
 }

@@ -84,7 +84,7 @@ static int take_fds(struct msghdr *header, int fds[PROTO_FDS_RECEIVED_MAX])
     return count;
 }
 
-static int receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
+static int receive_all(int socket, struct iovec buffer, size_t *bytes,
                        int fds[PROTO_FDS_RECEIVED_MAX], int *fd_count, int flags)
 {
     /* Room for as many as can come, so that each is seen, counted and closed. */
@@ -92,13 +92,12 @@ static int receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
         struct cmsghdr align;
         char bytes[CMSG_SPACE(PROTO_FDS_RECEIVED_MAX * sizeof(int))];
     } control;
-    struct iovec iov = {.iov_base = buffer, .iov_len = capacity};
     struct msghdr header;
     ssize_t got;
 
     *fd_count = 0;
     do {
-        header = (struct msghdr){.msg_iov = &iov,
+        header = (struct msghdr){.msg_iov = &buffer,
                                  .msg_iovlen = 1,
                                  .msg_control = control.bytes,
                                  .msg_controllen = sizeof control.bytes};
@@ -118,15 +117,16 @@ static int receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
 int proto_receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
                       int fds[PROTO_FDS_RECEIVED_MAX], int *fd_count)
 {
-    return receive_all(socket, buffer, capacity, bytes, fds, fd_count, MSG_DONTWAIT);
+    return receive_all(socket, (struct iovec){buffer, capacity}, bytes, fds, fd_count,
+                       MSG_DONTWAIT);
 }
 
-static int receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
+static int receive(int socket, struct iovec buffer, size_t *bytes, int *fds,
                    int *fd_count, int flags)
 {
     int came[PROTO_FDS_RECEIVED_MAX];
     int count = 0;
-    int status = receive_all(socket, buffer, capacity, bytes, came, &count, flags);
+    int status = receive_all(socket, buffer, bytes, came, &count, flags);
 
     for (int i = 0; i < count; i++) {
         if (status == 0 && fds != NULL && i < PROTO_FDS_MAX) {
@@ -142,13 +142,14 @@ static int receive(int socket, void *buffer, size_t capacity, size_t *bytes, int
 int proto_receive(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                   int *fd_count)
 {
-    return receive(socket, buffer, capacity, bytes, fds, fd_count, MSG_DONTWAIT);
+    return receive(socket, (struct iovec){buffer, capacity}, bytes, fds, fd_count,
+                   MSG_DONTWAIT);
 }
 
 int proto_await(int socket, void *buffer, size_t capacity, size_t *bytes, int *fds,
                 int *fd_count)
 {
-    return receive(socket, buffer, capacity, bytes, fds, fd_count, 0);
+    return receive(socket, (struct iovec){buffer, capacity}, bytes, fds, fd_count, 0);
 }
 
 static int receive_bare(int socket, void *buffer, size_t capacity, size_t *bytes,

@@ -184,6 +184,8 @@ static void describe(const struct cli_records *records, uint64_t record,
 
 /* Everything that a call needs. */
 struct work {
+    const struct cli_records *records;
+    double within;
     struct entry *entries;        /* [count] */
     struct pccd_manifold_point *candidates; /* [count] */
     struct seen *seen;            /* [3 * count] */
@@ -191,11 +193,12 @@ struct work {
 
 /* Write the manifold of entries [count], which are of the same two objects; *written: 0
  * or 1. */
-static int write_manifold(const struct cli_records *records, double within,
-                          const struct work *work, const struct entry *entries,
+static int write_manifold(const struct work *work, const struct entry *entries,
                           uint64_t count, struct pccd_manifold *manifold,
                           uint32_t *written)
 {
+    const struct cli_records *records = work->records;
+    const double within = work->within;
     struct cli_feature_pair pair;
     uint32_t chosen[4];
     uint32_t kept = 0;
@@ -233,10 +236,10 @@ static int write_manifold(const struct cli_records *records, double within,
     return PCCD_OK;
 }
 
-static int write_all(const struct cli_records *records, double within,
-                     const struct work *work, struct pccd_manifold *manifolds,
+static int write_all(const struct work *work, struct pccd_manifold *manifolds,
                      uint64_t room, uint64_t *total)
 {
+    const struct cli_records *records = work->records;
     for (uint64_t i = 0; i < records->count; i++) {
         const void *record = records->near != NULL ? (const void *)&records->near[i]
                                                    : (const void *)&records->contacts[i];
@@ -257,9 +260,8 @@ static int write_all(const struct cli_records *records, double within,
                    0) {
             end++;
         }
-        int status =
-            write_manifold(records, within, work, first, end - i,
-                           *total < room ? &manifolds[*total] : NULL, &written);
+        int status = write_manifold(work, first, end - i,
+                                    *total < room ? &manifolds[*total] : NULL, &written);
         if (status != PCCD_OK) {
             return status;
         }
@@ -284,13 +286,15 @@ static int make(const struct cli_records *records, const char *what, double with
         return status;
     }
     uint64_t count = records->count + 1;
-    struct work work = {.entries = calloc(count, sizeof *work.entries),
+    struct work work = {.records = records,
+                        .within = within,
+                        .entries = calloc(count, sizeof *work.entries),
                         .candidates = calloc(count, sizeof *work.candidates),
                         .seen = calloc(3 * count, sizeof *work.seen)};
     status = work.entries == NULL || work.candidates == NULL || work.seen == NULL ||
                      count > UINT32_MAX
                  ? cli_fail(NULL, PCCD_E_NOMEM, "%s: no memory", what)
-                 : write_all(records, within, &work, manifolds, room, total);
+                 : write_all(&work, manifolds, room, total);
     free(work.entries);
     free(work.candidates);
     free(work.seen);

@@ -192,22 +192,28 @@ static bool is_zero(const vector *a)
     return mpz_sgn(a->c[0]) == 0 && mpz_sgn(a->c[1]) == 0 && mpz_sgn(a->c[2]) == 0;
 }
 
-/* (b - a) x (d - c) to *n; returns its sign along (f - e). */
-static int turn(vector *n, const struct spot *a, const struct spot *b,
-                const struct spot *c, const struct spot *d, const struct spot *e,
-                const struct spot *f, int when)
+/* n = (b - a) x (d - c). */
+static void turn(vector *n, const struct spot *a, const struct spot *b,
+                 const struct spot *c, const struct spot *d, int when)
 {
-    vector u, w, along;
+    vector u, w;
     vector_init(&u);
     vector_init(&w);
-    vector_init(&along);
     subtract(&u, b, a, when);
     subtract(&w, d, c, when);
-    subtract(&along, f, e, when);
     cross(n, &u, &w);
-    int sign = dot_sign(n, &along);
     vector_clear(&u);
     vector_clear(&w);
+}
+
+/* Return the sign of n along (b - a). */
+static int sign_along(const vector *n, const struct spot *a, const struct spot *b,
+                      int when)
+{
+    vector along;
+    vector_init(&along);
+    subtract(&along, b, a, when);
+    int sign = dot_sign(n, &along);
     vector_clear(&along);
     return sign;
 }
@@ -216,7 +222,8 @@ static int side(struct spot *const f[3], const struct spot *p, int when)
 {
     vector n;
     vector_init(&n);
-    int sign = turn(&n, f[0], f[1], f[0], f[2], f[0], p, when);
+    turn(&n, f[0], f[1], f[0], f[2], when);
+    int sign = sign_along(&n, f[0], p, when);
     vector_clear(&n);
     return sign;
 }
@@ -225,7 +232,7 @@ static bool is_line(struct spot *const f[3])
 {
     vector n;
     vector_init(&n);
-    (void)turn(&n, f[0], f[1], f[0], f[2], f[0], f[1], NOW);
+    turn(&n, f[0], f[1], f[0], f[2], NOW);
     bool is = is_zero(&n);
     vector_clear(&n);
     return is;
@@ -239,7 +246,8 @@ static bool pierces(const struct spot *p, const struct spot *q, struct spot *con
     vector n;
     vector_init(&n);
     for (int k = 0; k < 3; k++) {
-        turns[k] = turn(&n, p, q, p, f[k], p, f[(k + 1) % 3], SOON);
+        turn(&n, p, q, p, f[k], SOON);
+        turns[k] = sign_along(&n, p, f[(k + 1) % 3], SOON);
     }
     vector_clear(&n);
     return ends < 0 && turns[0] != 0 && turns[0] == turns[1] && turns[1] == turns[2];
@@ -252,9 +260,9 @@ static bool is_in(struct spot *const f[3], const struct spot *p, int when)
     bool is = true;
     vector_init(&n);
     vector_init(&m);
-    (void)turn(&n, f[0], f[1], f[0], f[2], f[0], p, when);
+    turn(&n, f[0], f[1], f[0], f[2], when);
     for (int k = 0; k < 3; k++) {
-        (void)turn(&m, f[k], f[(k + 1) % 3], f[k], p, f[0], p, when);
+        turn(&m, f[k], f[(k + 1) % 3], f[k], p, when);
         is = is && dot_sign(&m, &n) >= 0;
     }
     vector_clear(&n);
@@ -288,15 +296,14 @@ static bool overlap(struct spot *const f[3], struct spot *const g[3], bool *are_
     vector_init(&nf);
     vector_init(&ng);
     vector_init(&m);
-    (void)turn(&nf, f[0], f[1], f[0], f[2], f[0], f[1], NOW);
-    (void)turn(&ng, g[0], g[1], g[0], g[2], g[0], g[1], NOW);
+    turn(&nf, f[0], f[1], f[0], f[2], NOW);
+    turn(&ng, g[0], g[1], g[0], g[2], NOW);
     for (int i = 0; i < 6; i++) {
         struct spot *const *own = i < 3 ? f : g;
         struct spot *const *other = i < 3 ? g : f;
         bool separates = true;
         for (int k = 0; k < 3; k++) {
-            (void)turn(&m, own[i % 3], own[(i + 1) % 3], own[i % 3], other[k], own[0],
-                       own[1], NOW);
+            turn(&m, own[i % 3], own[(i + 1) % 3], own[i % 3], other[k], NOW);
             separates = separates && dot_sign(&m, i < 3 ? &nf : &ng) <= 0;
         }
         do_overlap = do_overlap && !separates;
@@ -462,7 +469,8 @@ static enum place place_of(struct spot *const e[2][2])
     vector n, m;
     vector_init(&n);
     vector_init(&m);
-    int gap = turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], e[0][0], e[1][0], SOON);
+    turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], SOON);
+    int gap = sign_along(&n, e[0][0], e[1][0], SOON);
     bool is_parallel = is_zero(&n);
     enum place place = APART;
     for (int i = 0; i < 4; i++) {
@@ -476,8 +484,7 @@ static enum place place_of(struct spot *const e[2][2])
         for (int i = 0; i < 2; i++) {
             int sides[2];
             for (int k = 0; k < 2; k++) {
-                (void)turn(&m, e[i][0], e[i][1], e[i][0], e[1 - i][k], e[0][0], e[0][1],
-                           SOON);
+                turn(&m, e[i][0], e[i][1], e[i][0], e[1 - i][k], SOON);
                 sides[k] = dot_sign(&m, &n);
             }
             do_cross = do_cross && sides[0] * sides[1] < 0;
@@ -498,8 +505,8 @@ static bool do_part(struct spot *const e[2][2], struct spot *const f[3],
     bool do_part = true;
     vector_init(&n);
     vector_init(&m);
-    (void)turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], e[0][0], e[1][0], NOW);
-    (void)turn(&m, g[0], g[1], g[0], g[2], g[0], g[1], NOW);
+    turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], NOW);
+    turn(&m, g[0], g[1], g[0], g[2], NOW);
     if (!is_zero(&n)) {
         do_part = gap * dot_sign(&n, &m) <= 0;
     }
@@ -534,7 +541,8 @@ static enum oracle_fate fate_of_edges(struct scene *scene, struct spot *const e[
     int faces[2] = {0, 0};
     vector n;
     vector_init(&n);
-    int gap = turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], e[0][0], e[1][0], SOON);
+    turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], SOON);
+    int gap = sign_along(&n, e[0][0], e[1][0], SOON);
     bool enters = false;
     for (int i = 0; i < 2; i++) {
         struct spot *f[3];
@@ -543,8 +551,7 @@ static enum oracle_fate fate_of_edges(struct scene *scene, struct spot *const e[
                             mpz_cmp(e[i][0]->at[NOW][2], e[i][1]->at[NOW][2]) == 0);
         for (uint32_t k = 0; next_face(scene, i, e[i], &k, f);) {
             const struct spot *third = third_of(f, e[i]);
-            int beside =
-                turn(&n, e[0][0], e[0][1], e[1][0], e[1][1], e[i][0], third, SOON);
+            int beside = sign_along(&n, e[i][0], third, SOON);
             faces[i]++;
             has_front[i] = has_front[i] || !is_line(f);
             above[i] = above[i] || beside > 0;

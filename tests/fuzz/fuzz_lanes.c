@@ -157,9 +157,9 @@ static void ask(const struct eng_kernels *kernels, const struct chunk *chunk,
     for (uint32_t i = 0; i < chunk->count; i++) {
         all[i] = i;
     }
-    said->kept_count =
-        kernels->reject_at_end(chunk->kind, chunk->points, chunk->quads, chunk->count,
-                               chunk->end, chunk->d, said->kept);
+    said->kept_count = kernels->reject_at_end(
+        (struct eng_quads){chunk->kind, chunk->points, chunk->quads}, chunk->count,
+        chunk->end, chunk->d, said->kept);
     said->crossed =
         (struct eng_crossed){.index = said->crossing, .undecided = said->open_crossing};
     for (int k = 0; k < WANTED; k++) {
@@ -168,8 +168,8 @@ static void ask(const struct eng_kernels *kernels, const struct chunk *chunk,
                                                   .found = said->found[k],
                                                   .imprecise = said->imprecise[k],
                                                   .undecided = said->undecided[k]};
-        kernels->measure(chunk->kind, chunk->points, chunk->quads, all, chunk->count,
-                         chunk->end, chunk->d, &said->measured[k]);
+        kernels->measure((struct eng_quads){chunk->kind, chunk->points, chunk->quads},
+                         all, chunk->count, chunk->end, chunk->d, &said->measured[k]);
     }
     kernels->cross_faces(chunk->points, chunk->fives, chunk->count, chunk->end,
                          &said->crossed);

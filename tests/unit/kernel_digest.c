@@ -336,8 +336,8 @@ static void digest_advance(const struct eng_kernels *kernels, const struct groun
     for (uint32_t k = 0; k < count; k++) {
         advance[k] = (struct eng_advance){.lo = 0.25 * (pairs[k] % 8)};
     }
-    kernels->advance(i % 4, ground->points, ground->quads, pairs, count, &limits,
-                     advance);
+    kernels->advance((struct eng_quads){i % 4, ground->points, ground->quads}, pairs,
+                     count, &limits, advance);
     for (uint32_t k = 0; k < count; k++) {
         const struct eng_advance *own = &advance[k];
         *advanced = digest(*advanced, &own->now, sizeof own->now);
@@ -346,7 +346,8 @@ static void digest_advance(const struct eng_kernels *kernels, const struct groun
         *advanced = digest(*advanced, &own->cell, sizeof own->cell);
         hits[k].toi = own->until < 1 ? own->until : 1;
     }
-    kernels->describe(i % 4, ground->points, ground->quads, pairs, count, hits);
+    kernels->describe((struct eng_quads){i % 4, ground->points, ground->quads}, pairs,
+                      count, hits);
     for (uint32_t k = 0; k < count; k++) {
         *described = digest(*described, hits[k].param, sizeof hits[k].param);
         *described = digest(*described, hits[k].normal, sizeof hits[k].normal);
@@ -368,14 +369,14 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     for (uint32_t i = 0; i < 2 * 40; i++) {
         enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = PAIRS - i / 2;
-        uint32_t left =
-            kernels->reject_axes(kind, ground->points, ground->quads, count, kept);
+        uint32_t left = kernels->reject_axes(
+            (struct eng_quads){kind, ground->points, ground->quads}, count, kept);
         apart = digest(digest(apart, &left, sizeof left), kept, left * sizeof *kept);
-        left = kernels->filter(kind, ground->points, ground->quads, ground->all, count,
-                               kept);
+        left = kernels->filter((struct eng_quads){kind, ground->points, ground->quads},
+                               ground->all, count, kept);
         filter = digest(digest(filter, &left, sizeof left), kept, left * sizeof *kept);
-        left = kernels->reject_thick(1 + i % 2, ground->points, ground->quads, count,
-                                     reach, kept);
+        left = kernels->reject_thick(
+            (struct eng_quads){kind, ground->points, ground->quads}, count, reach, kept);
         reject_thick =
             digest(digest(reject_thick, &left, sizeof left), kept, left * sizeof *kept);
         digest_advance(kernels, ground, i, kept, left, &advance, &describe);
@@ -425,13 +426,14 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
             .swept = i % 11 < 5,
             .in_time = i % 7 == 0,
             .cubic_first = i % 2 == 0,
-            .prunes = i % 5 < 2};
+            .prunes = i % 5 < 2,
+            .end = i / 4 % 2};
         uint32_t count = PAIRS - i;
         set_numbers(ground, part, a, b, count);
         count = kernels->sift_near(i % 4 < 2    ? PCCD_VF
                                    : i % 4 == 2 ? PCCD_EE
                                                 : PCCD_EF,
-                                   &sieve, i / 4 % 2, (float)(i * i), a, b, count);
+                                   &sieve, (float)(i * i), a, b, count);
         sift_near = digest(digest(sift_near, &count, sizeof count), a, count * sizeof *a);
         sift_near = digest(sift_near, b, count * sizeof *b);
         count = PAIRS - i;
@@ -494,8 +496,8 @@ static void run_bracket(const struct eng_kernels *kernels, const struct ground *
         enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = PAIRS - i / 4;
         memcpy(pairs, ground->all, sizeof pairs);
-        kernels->bracket(kind, ground->points, ground->quads, pairs, count, 1e-6,
-                         i % 4 < 2 ? 1 : 0.375, &out);
+        kernels->bracket((struct eng_quads){kind, ground->points, ground->quads}, pairs,
+                         count, 1e-6, i % 4 < 2 ? 1 : 0.375, &out);
         bracket = digest_decided(bracket, &out, count);
     }
     say(kernels, "bracket", bracket);
@@ -541,11 +543,11 @@ static void run_distances(const struct eng_kernels *kernels, const struct ground
                                    .imprecise = imprecise,
                                    .undecided = undecided};
         double d = 0.25 * (1 + i / 12);
-        uint32_t left = kernels->reject_at_end(kind, ground->points, ground->quads, count,
-                                               end, d, kept);
+        uint32_t left = kernels->reject_at_end(
+            (struct eng_quads){kind, ground->points, ground->quads}, count, end, d, kept);
         beyond = digest(digest(beyond, &left, sizeof left), kept, left * sizeof *kept);
-        kernels->measure(kind, ground->points, ground->quads, ground->all, count, end, d,
-                         &out);
+        kernels->measure((struct eng_quads){kind, ground->points, ground->quads},
+                         ground->all, count, end, d, &out);
         measure = digest_measured(measure, &out);
     }
     say(kernels, "reject_at_end", beyond);

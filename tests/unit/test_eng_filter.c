@@ -16,8 +16,10 @@ static bool passes(const struct eng_query *query)
         memcpy(points[i].x0, query->x[0][i], sizeof points[i].x0);
         memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
     }
-    return kernels->reject_axes(query->kind, points, quads, 1, kept) == 1 &&
-           kernels->filter(query->kind, points, quads, kept, 1, kept) == 1;
+    return kernels->reject_axes((struct eng_quads){query->kind, points, quads}, 1,
+                                kept) == 1 &&
+           kernels->filter((struct eng_quads){query->kind, points, quads}, kept, 1,
+                           kept) == 1;
 }
 
 /* If it failed: a real contact would be thrown away before anybody looks. */

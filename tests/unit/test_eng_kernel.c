@@ -136,17 +136,22 @@ CASE(kernels__filter_the_same_pairs)
         uint32_t kept[PAIR_COUNT];
         make_pairs(&random, kind, &pairs);
         const uint32_t(*quads)[4] = (const uint32_t(*)[4])pairs.quads;
-        uint32_t n = scalar->reject_axes(kind, pairs.points, quads, count, expected[0]);
-        uint32_t m =
-            scalar->filter(kind, pairs.points, quads, expected[0], n, expected[1]);
+        uint32_t n = scalar->reject_axes((struct eng_quads){kind, pairs.points, quads},
+                                         count, expected[0]);
+        uint32_t m = scalar->filter((struct eng_quads){kind, pairs.points, quads},
+                                    expected[0], n, expected[1]);
         apart += count - n;
         filtered += n - m;
         for (unsigned k = 0; k < set_count; k++) {
-            assert_int_equal(sets[k]->reject_axes(kind, pairs.points, quads, count, kept),
-                             n);
+            assert_int_equal(
+                sets[k]->reject_axes((struct eng_quads){kind, pairs.points, quads}, count,
+                                     kept),
+                n);
             assert_memory_equal(kept, expected[0], n * sizeof *kept);
-            assert_int_equal(sets[k]->filter(kind, pairs.points, quads, kept, n, kept),
-                             m);
+            assert_int_equal(
+                sets[k]->filter((struct eng_quads){kind, pairs.points, quads}, kept, n,
+                                kept),
+                m);
             assert_memory_equal(kept, expected[1], m * sizeof *kept);
         }
     }
@@ -165,8 +170,9 @@ static struct eng_bracketed bracket(const struct eng_kernels *kernels,
         list[i] = i;
     }
     memset(hits, 0, PAIR_COUNT * sizeof *hits);
-    kernels->bracket(kind, pairs->points, (const uint32_t(*)[4])pairs->quads, list,
-                     PAIR_COUNT, 1e-6, 1, &out);
+    kernels->bracket(
+        (struct eng_quads){kind, pairs->points, (const uint32_t(*)[4])pairs->quads}, list,
+        PAIR_COUNT, 1e-6, 1, &out);
     return out;
 }
 

@@ -136,7 +136,8 @@ static struct reached follow(const struct eng_path *path, const struct eng_path_
         eng_path_pose(path, t0 + h * k / SAMPLES, &pose[k]);
         apply(&pose[k], b, x[k]);
     }
-    eng_path_span(path, t0, t1, &pose[0], &pose[SAMPLES / 2], &pose[SAMPLES], &span);
+    const struct eng_path_pose ends[3] = {pose[0], pose[SAMPLES / 2], pose[SAMPLES]};
+    eng_path_span(path, t0, t1, ends, &span);
     double error = 2 * (path->error[0] + path->error[1] * size_of(b));
     double speed = eng_path_speed(path, box, t0, t1) * h / SAMPLES;
     double bend = eng_path_bend(path, box, t0, t1) * h * h / 8;
@@ -284,7 +285,7 @@ CASE(path__has_the_same_bytes_everywhere)
             mix(&hash, pose[i].m, 12);
             mix(&hash, pose[i].error, 2);
         }
-        eng_path_span(&path, 0, 1, &pose[0], &pose[1], &pose[2], &span);
+        eng_path_span(&path, 0, 1, pose, &span);
         mix(&hash, span.m, 12);
         mix(&hash, span.error, 2);
         mix(&hash, path.jerk, 2);
@@ -297,7 +298,7 @@ CASE(path__bows_of_wheels_end)
 {
     struct pccd_joint joint = {.kind = PCCD_JOINT_TURN, .parent = PCCD_NO_JOINT};
     static struct eng_path path;
-    struct eng_path_pose pose;
+    struct eng_path_pose pose[3];
     struct eng_path_span span;
     const double b[3] = {1, 0, 0};
     joint.position[0] = 1000;
@@ -305,8 +306,10 @@ CASE(path__bows_of_wheels_end)
     joint.axis[2] = 1;
     joint.to[0] = COMMON_ANGLE_MAX;
     assert_int_equal(eng_path_between(&joint, PCCD_NO_JOINT, 0, &path), PCCD_OK);
-    eng_path_pose(&path, 0, &pose);
-    eng_path_span(&path, 0, 1, &pose, &pose, &pose, &span);
+    for (int i = 0; i < 3; i++) {
+        eng_path_pose(&path, 0, &pose[i]);
+    }
+    eng_path_span(&path, 0, 1, pose, &span);
     assert_true(bow_of(&span, b) <= 2 * sqrt(3.1));
 }
 

@@ -82,9 +82,10 @@ static bool is_kept(const struct eng_kernels *kernels, const struct pair *pair,
                               .a_corner = {number, number + 1},
                               .b_corner = {of_b, of_b + 1, of_b + 2},
                               .t_end = 1,
-                              .prunes = prunes};
+                              .prunes = prunes,
+                              .end = end};
     uint32_t kept =
-        kernels->sift_near(pair->kind, &sieve, end, cells_of(pair, d), a, b, copies);
+        kernels->sift_near(pair->kind, &sieve, cells_of(pair, d), a, b, copies);
     assert_true(kept == 0 || kept == copies);
     return kept > 0;
 }

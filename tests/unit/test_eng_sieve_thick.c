@@ -119,8 +119,9 @@ static bool is_beyond(const struct pair *pair, double r)
 {
     static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
     uint32_t kept;
-    return eng_kernels()->reject_thick(pair->query.query.kind == PCCD_VF ? 1 : 2,
-                                       pair->points, quads, 1, &r, &kept) == 0;
+    return eng_kernels()->reject_thick(
+               (struct eng_quads){pair->query.query.kind, pair->points, quads}, 1, &r,
+               &kept) == 0;
 }
 
 /* If it failed: a pair that comes within r, by a hair's breadth or by the width of the

@@ -24,6 +24,7 @@ struct objects_of {
     uint32_t handle;
     const struct ctl_mesh *mesh;
     const struct pccd_edge *edges;
+    uint32_t edge_count;
     uint32_t *of_vertex, *of_edge; /* ours: places in mesh->objects; NULL: it is one */
     uint32_t first; /* number of its first part; the last one is what stands before it */
 };
@@ -39,12 +40,12 @@ struct objects {
 
 /* Return whether all of a mesh is of one part. */
 bool objects_are_one(const struct ctl_mesh *mesh);
-/* Add an object to `objects`, {0} at first. Its name, "" if its parts alone have names,
- * is copied; its mesh and edges (as they were registered; needed for several parts) stay
- * as they are until objects_deinit, which is called also on error. Errors: E_NOMEM. */
-int objects_add(struct objects *objects, uint32_t handle, const char *name,
-                const struct ctl_mesh *mesh, const struct pccd_edge *edges,
-                uint32_t edge_count, struct ctl_error *error);
+/* Add an object, of which no numbers are ours yet, to `objects`, {0} at first. Its name,
+ * "" if its parts alone have names, is copied; its mesh and edges (as they were
+ * registered; needed for several parts) stay as they are until objects_deinit, which is
+ * called also on error. Errors: E_NOMEM. */
+int objects_add(struct objects *objects, const char *name, const struct objects_of *added,
+                struct ctl_error *error);
 /* Return the object of a handle; of one that no object has, any. */
 const struct objects_of *objects_find(const struct objects *objects, uint32_t handle);
 /* Return the number of the part that has a feature of so many points (1 a vertex, 2 an

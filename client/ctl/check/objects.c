@@ -54,31 +54,30 @@ static int compare_edges(const void *a, const void *b)
 }
 
 /* A side from p to q is of this object, unless another one had it before. */
-static void take_side(const struct objects_of *object, uint32_t edge_count, uint32_t p,
-                      uint32_t q, uint32_t part)
+static void take_side(const struct objects_of *object, uint32_t p, uint32_t q,
+                      uint32_t part)
 {
     const struct pccd_edge wanted = {.a = p < q ? p : q, .b = p < q ? q : p};
     const struct pccd_edge *edge =
-        bsearch(&wanted, object->edges, edge_count, sizeof *edge, compare_edges);
+        bsearch(&wanted, object->edges, object->edge_count, sizeof *edge, compare_edges);
     if (edge != NULL && object->of_edge[edge - object->edges] == CTL_NO_OBJECT) {
         object->of_edge[edge - object->edges] = part;
     }
 }
 
-static void number_edges(const struct objects_of *object, uint32_t edge_count)
+static void number_edges(const struct objects_of *object)
 {
     const struct ctl_mesh *mesh = object->mesh;
     for (uint32_t i = 0; i < mesh->triangles.count; i++) {
         const uint32_t *corners = mesh->triangles.vertices + 3 * (size_t)i;
         uint32_t part = ctl_mesh_object_at(mesh, CTL_TRIANGLES, i);
         for (uint32_t k = 0; k < 3; k++) {
-            take_side(object, edge_count, corners[k], corners[(k + 1) % 3], part);
+            take_side(object, corners[k], corners[(k + 1) % 3], part);
         }
     }
     for (uint32_t i = 0; i < mesh->edges.count; i++) {
         const uint32_t *ends = mesh->edges.vertices + 2 * (size_t)i;
-        take_side(object, edge_count, ends[0], ends[1],
-                  ctl_mesh_object_at(mesh, CTL_EDGES, i));
+        take_side(object, ends[0], ends[1], ctl_mesh_object_at(mesh, CTL_EDGES, i));
     }
 }
 
@@ -116,11 +115,11 @@ static bool name_parts(struct objects *objects, const struct objects_of *object,
     return true;
 }
 
-int objects_add(struct objects *objects, uint32_t handle, const char *name,
-                const struct ctl_mesh *mesh, const struct pccd_edge *edges,
-                uint32_t edge_count, struct ctl_error *error)
+int objects_add(struct objects *objects, const char *name, const struct objects_of *added,
+                struct ctl_error *error)
 {
-    const size_t edge_bytes = ((size_t)edge_count + 1) * sizeof(uint32_t);
+    const struct ctl_mesh *mesh = added->mesh;
+    const size_t edge_bytes = ((size_t)added->edge_count + 1) * sizeof(uint32_t);
     const bool is_one = mesh->object_count == 0 || objects_are_one(mesh);
     struct objects_of *of =
         realloc(objects->of, (objects->count + 1u) * sizeof *objects->of);
@@ -132,12 +131,12 @@ int objects_add(struct objects *objects, uint32_t handle, const char *name,
     bool has_room = of != NULL && objects->pairs != NULL;
     if (has_room) {
         uint32_t at = objects->count++;
-        for (; at > 0 && of[at - 1].handle > handle; at--) {
+        for (; at > 0 && of[at - 1].handle > added->handle; at--) {
             of[at] = of[at - 1];
         }
         struct objects_of *object = &of[at];
-        *object = (struct objects_of){
-            .handle = handle, .mesh = mesh, .edges = edges, .first = objects->part_count};
+        *object = *added;
+        object->first = objects->part_count;
         if (!is_one) {
             object->of_vertex = ctl_mesh_object_of_vertices(mesh);
             object->of_edge = malloc(edge_bytes);
@@ -146,13 +145,13 @@ int objects_add(struct objects *objects, uint32_t handle, const char *name,
         has_room = has_room && name_parts(objects, object, name);
         if (has_room && !is_one) {
             memset(object->of_edge, 0xff, edge_bytes);
-            number_edges(object, edge_count);
+            number_edges(object);
         }
     }
     return has_room ? PCCD_OK
                     : ctl_error_set(error, PCCD_E_NOMEM,
                                     "no memory for the objects of %" PRIu32 " edges",
-                                    edge_count);
+                                    added->edge_count);
 }
 
 /* ---- counting ---------------------------------------------------------------------- */

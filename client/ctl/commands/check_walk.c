@@ -394,10 +394,14 @@ static int place(struct walk *walk, struct ctl_error *error)
         check_run_begin(run, scene, walk->has_names || options->ask.csv != NULL, error);
     for (uint32_t i = 0; status == PCCD_OK && i < scene->object_count; i++) {
         const struct scene_object *object = &scene->objects[i];
-        status = objects_add(
-            &walk->objects, object->handle,
-            scene->object_count > 1 || !walk->has_names ? object->name : "",
-            &object->files.mesh, object->edges, object->info.edge_count, error);
+        status =
+            objects_add(&walk->objects,
+                        scene->object_count > 1 || !walk->has_names ? object->name : "",
+                        &(struct objects_of){.handle = object->handle,
+                                             .mesh = &object->files.mesh,
+                                             .edges = object->edges,
+                                             .edge_count = object->info.edge_count},
+                        error);
     }
     run->told.names = walk->objects.names;
     run->objects = walk->has_names ? &walk->objects : NULL;

@@ -219,12 +219,19 @@ static bool read_value(const struct robot *robot, uint32_t joint, const char *te
     return is_read && stop == end;
 }
 
+/* A joint, and the value or the range that it is given. */
+struct named_joint {
+    uint32_t joint;
+    double values[2];
+};
+
 /* Find the joint of "NAME=VALUE" or "NAME=LO:HI", and its values; E_INVAL: it is none, or
  * none that has a value of its own. */
 static int read_joint(const struct robot *robot, const char *option, const char *text,
-                      uint32_t value_count, double *values, uint32_t *joint,
+                      uint32_t value_count, struct named_joint *named,
                       struct ctl_error *error)
 {
+    double *values = named->values;
     const char *equals = strrchr(text, '=');
     char *name = strndup(text, equals != NULL ? (size_t)(equals - text) : strlen(text));
     uint32_t found = name != NULL ? robot_find_joint(robot, name) : ROBOT_NONE;
@@ -240,7 +247,7 @@ static int read_joint(const struct robot *robot, const char *option, const char 
             at->leader != ROBOT_NONE ? "follows " : "does not move",
             at->leader != ROBOT_NONE ? tool_shown(robot->joints[at->leader].name) : "");
     }
-    *joint = found;
+    named->joint = found;
     memcpy(values, robot->joints[found].range, value_count * sizeof *values);
     if (equals == NULL && value_count == 2) {
         return PCCD_OK;
@@ -263,12 +270,10 @@ static int fix_joints(const struct command *command, struct robot *robot,
 {
     int status = PCCD_OK;
     for (size_t i = 0; i < command->fixed.count && status == PCCD_OK; i++) {
-        uint32_t joint;
-        double value;
-        status =
-            read_joint(robot, "fix", command->fixed.list[i], 1, &value, &joint, error);
+        struct named_joint named;
+        status = read_joint(robot, "fix", command->fixed.list[i], 1, &named, error);
         if (status == PCCD_OK) {
-            robot->start[joint] = value;
+            robot->start[named.joint] = named.values[0];
         }
     }
     robot_follow(robot, robot->start);
@@ -320,8 +325,12 @@ static int read_range(const struct command *command, const struct robot *robot,
     int status = PCCD_OK;
     range->count = (uint32_t)named->count;
     for (uint32_t k = 0; k < range->count && status == PCCD_OK; k++) {
-        status = read_joint(robot, "joint", named->list[k], 2, range->ends[k],
-                            &range->joints[k], error);
+        struct named_joint joint;
+        status = read_joint(robot, "joint", named->list[k], 2, &joint, error);
+        if (status == PCCD_OK) {
+            range->joints[k] = joint.joint;
+            memcpy(range->ends[k], joint.values, sizeof joint.values);
+        }
         for (uint32_t i = 0; i < k && status == PCCD_OK; i++) {
             if (range->joints[i] == range->joints[k]) {
                 status = ctl_error_set(error, PCCD_E_INVAL, "--joint %s: once is enough",

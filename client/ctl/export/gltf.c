@@ -165,9 +165,15 @@ static float (*start_of(const struct snapshot_object *object, double t))[3]
     return x;
 }
 
+/* What an object's vertices have, and the accessor of their motion. */
+struct vertices {
+    json_t *attributes;
+    int motion;
+};
+
 /* Some of an object's features, by the indices of their vertices, if there are any. */
 static void add_features(struct gltf *gltf, json_t *primitives, const uint32_t *indices,
-                         size_t count, int mode, const json_t *attributes, int motion)
+                         size_t count, int mode, const struct vertices *vertices)
 {
     if (count == 0) {
         return;
@@ -176,9 +182,9 @@ static void add_features(struct gltf *gltf, json_t *primitives, const uint32_t *
     int made = add_accessor(gltf, view, UNSIGNED, "SCALAR", count);
     append(primitives,
            json_pack("{s:o, s:i, s:i, s:I, s:[{s:i}]}", "attributes",
-                     json_copy((json_t *)attributes), "indices", made, "mode", mode,
+                     json_copy(vertices->attributes), "indices", made, "mode", mode,
                      "material", (json_int_t)json_array_size(gltf->materials) - 1,
-                     "targets", "POSITION", motion),
+                     "targets", "POSITION", vertices->motion),
            gltf);
 }
 
@@ -204,21 +210,21 @@ static void add_object(struct gltf *gltf, const struct snapshot_object *object,
     int positions = add_vectors(gltf, (const float(*)[3])x, object->vertex_count, true);
     int motion =
         add_vectors(gltf, (const float(*)[3])object->motion, object->vertex_count, true);
-    json_t *attributes = json_pack("{s:i}", "POSITION", positions);
+    struct vertices vertices = {json_pack("{s:i}", "POSITION", positions), motion};
     if (object->radii != NULL) {
         int view = add_view(gltf, object->radii,
                             object->vertex_count * sizeof *object->radii, ARRAY);
-        json_object_set_new(attributes, "_RADIUS",
+        json_object_set_new(vertices.attributes, "_RADIUS",
                             json_integer(add_accessor(gltf, view, FLOAT, "SCALAR",
                                                       object->vertex_count)));
     }
     add_features(gltf, primitives, (const uint32_t *)object->triangles,
-                 3 * (size_t)object->triangle_count, TRIANGLES, attributes, motion);
+                 3 * (size_t)object->triangle_count, TRIANGLES, &vertices);
     add_features(gltf, primitives, (const uint32_t *)object->edges,
-                 2 * (size_t)object->edge_count, LINES, attributes, motion);
+                 2 * (size_t)object->edge_count, LINES, &vertices);
     add_features(gltf, primitives, object->points, object->point_count, POINTS,
-                 attributes, motion);
-    json_decref(attributes);
+                 &vertices);
+    json_decref(vertices.attributes);
     snprintf(name, sizeof name, "object 0x%x", object->handle);
     add_node(gltf, primitives, object->name != NULL ? object->name : name,
              json_pack("[f]", t));

@@ -85,18 +85,18 @@ size_t gltf_entry_count(const struct gltf *gltf, const char *array)
     return json_array_size(json_object_get(gltf->root, array));
 }
 
-void gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, size_t count,
-                  double *values, const char *what, size_t index)
+void gltf_numbers(struct gltf *gltf, struct gltf_named object, const char *name,
+                  size_t count, double *values)
 {
-    const json_t *array = json_object_get(object, name);
+    const json_t *array = json_object_get(object.json, name);
     size_t has = array != NULL ? json_array_size(array) : count;
-    gltf_check(gltf, has == count, "%s %zu: %s has %zu numbers, not %zu", what, index,
-               name, has, count);
+    gltf_check(gltf, has == count, "%s %zu: %s has %zu numbers, not %zu", object.what,
+               object.index, name, has, count);
     for (size_t i = 0; array != NULL && i < count; i++) {
         const json_t *value = json_array_get(array, i);
         values[i] = json_number_value(value);
         gltf_check(gltf, json_is_number(value) && isfinite(values[i]),
-                   "%s %zu: %s[%zu] is no number", what, index, name, i);
+                   "%s %zu: %s[%zu] is no number", object.what, object.index, name, i);
     }
 }
 

@@ -53,10 +53,18 @@ long long gltf_number(const json_t *object, const char *name, long long otherwis
 /* Return entry `index` of an array of the root; NULL: there is none. */
 const json_t *gltf_entry(const struct gltf *gltf, const char *array, long long index);
 size_t gltf_entry_count(const struct gltf *gltf, const char *array);
+
+/* An object of the file, and its name in an error: "node 3". */
+struct gltf_named {
+    const json_t *json;
+    const char *what;
+    size_t index;
+};
+
 /* Fill values[count] from an array of `count` finite numbers, which stay as they are
- * where there is none. `what` and `index` name the object in the error. */
-void gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, size_t count,
-                  double *values, const char *what, size_t index);
+ * where there is none. */
+void gltf_numbers(struct gltf *gltf, struct gltf_named object, const char *name,
+                  size_t count, double *values);
 /* Return the extension by which an object is compressed; NULL: by none. */
 const char *gltf_compression(const json_t *object);
 

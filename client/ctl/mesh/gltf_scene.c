@@ -31,15 +31,16 @@ static void read_node(struct gltf_scene *scene, size_t index)
     struct gltf *gltf = &scene->gltf;
     struct gltf_node *node = &scene->nodes[index];
     const json_t *json = node->json = gltf_entry(gltf, "nodes", (long long)index);
+    const struct gltf_named named = {json, "node", index};
     const json_t *children = json_object_get(json, "children");
     node->has_matrix = json_object_get(json, "matrix") != NULL;
-    gltf_numbers(gltf, json, "matrix", 16, node->matrix, "node", index);
+    gltf_numbers(gltf, named, "matrix", 16, node->matrix);
     for (int i = 0; i < GLTF_POSE_PATHS; i++) {
         const struct gltf_path_kind *kind = &gltf_path_kinds[i];
         gltf_check(gltf, !node->has_matrix || json_object_get(json, kind->name) == NULL,
                    "node %zu: has a matrix, and a %s, too", index, kind->name);
         memcpy(node->pose[i], kind->still, sizeof kind->still);
-        gltf_numbers(gltf, json, kind->name, kind->numbers, node->pose[i], "node", index);
+        gltf_numbers(gltf, named, kind->name, kind->numbers, node->pose[i]);
     }
     for (size_t k = 0; k < json_array_size(children) && gltf->status == PCCD_OK; k++) {
         long long child = gltf_value(json_array_get(children, k), -1);
@@ -172,8 +173,10 @@ static void read_object(struct gltf_scene *scene, size_t index)
     if (node->weights == NULL) {
         return;
     }
-    gltf_numbers(gltf, has_own ? node->json : entry, "weights", targets, node->weights,
-                 has_own ? "node" : "mesh", has_own ? index : (size_t)number);
+    const struct gltf_named named = {has_own ? node->json : entry,
+                                     has_own ? "node" : "mesh",
+                                     has_own ? index : (size_t)number};
+    gltf_numbers(gltf, named, "weights", targets, node->weights);
     if (json_object_get(node->json, "skin") != NULL) {
         read_skin(scene, object);
     } else {

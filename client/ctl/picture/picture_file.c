@@ -301,18 +301,11 @@ static uint32_t unit_of(const struct picture_canvas *canvas)
 }
 
 /* The meshes, and what is over them if `is_whole`, as a PNG in memory. */
-static int make_png(const struct picture *picture, bool is_whole, const char *path,
-                    struct picture_canvas *canvas, void **png, size_t *bytes,
-                    struct ctl_error *error)
+static int make_png(const struct picture *picture, bool is_whole,
+                    struct picture_canvas *canvas, void **png, size_t *bytes)
 {
     int status = picture_draw(picture, canvas);
     *png = NULL;
-    if (status == PCCD_E_LIMIT) {
-        return ctl_error_set(error, status,
-                             "%s: too many features that are so thick: they fill the "
-                             "picture many times over (--size makes it smaller)",
-                             path);
-    }
     if (status == PCCD_OK) {
         const struct sink sink = {.dot = paint_dot,
                                   .ring = paint_ring,
@@ -339,9 +332,20 @@ static int make_png(const struct picture *picture, bool is_whole, const char *pa
             *png = NULL;
         }
     }
-    return *png != NULL ? PCCD_OK
-                        : ctl_error_set(error, PCCD_E_NOMEM,
-                                        "%s: no memory for the picture", path);
+    return *png != NULL || status == PCCD_E_LIMIT ? status : PCCD_E_NOMEM;
+}
+
+/* Say why there is no picture, if there is none. */
+static int complain(int status, const char *path, struct ctl_error *error)
+{
+    return status == PCCD_E_LIMIT
+               ? ctl_error_set(error, status,
+                               "%s: too many features that are so thick: they fill the "
+                               "picture many times over (--size makes it smaller)",
+                               path)
+           : status != PCCD_OK
+               ? ctl_error_set(error, status, "%s: no memory for the picture", path)
+               : PCCD_OK;
 }
 
 static void write_svg(const struct picture *picture, struct picture_canvas *canvas,
@@ -384,7 +388,7 @@ int picture_write(const struct picture *picture, FILE *file, const char *path,
     bool is_svg = tool_ends_with(path, ".svg");
     void *png;
     size_t bytes;
-    int status = make_png(picture, !is_svg, path, &canvas, &png, &bytes, error);
+    int status = make_png(picture, !is_svg, &canvas, &png, &bytes);
     if (status == PCCD_OK && is_svg) {
         write_svg(picture, &canvas, png, bytes, file);
     } else if (status == PCCD_OK) {
@@ -392,14 +396,14 @@ int picture_write(const struct picture *picture, FILE *file, const char *path,
     }
     free(png);
     raster_deinit(&canvas.raster);
-    return status;
+    return complain(status, path, error);
 }
 
 int picture_encode(const struct picture *picture, const char *path, void **png,
                    size_t *bytes, struct ctl_error *error)
 {
     struct picture_canvas canvas = {.width = 0};
-    int status = make_png(picture, true, path, &canvas, png, bytes, error);
+    int status = make_png(picture, true, &canvas, png, bytes);
     raster_deinit(&canvas.raster);
-    return status;
+    return complain(status, path, error);
 }

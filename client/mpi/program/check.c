@@ -127,8 +127,12 @@ static int begin_names(struct check *check, struct ctl_error *error)
     if (tells_objects(check)) {
         check->run.objects = &check->objects;
     }
-    status = objects_add(&check->objects, check->object, "", named, part->edges,
-                         part->edge_count, error);
+    status = objects_add(&check->objects, "",
+                         &(struct objects_of){.handle = check->object,
+                                              .mesh = named,
+                                              .edges = part->edges,
+                                              .edge_count = part->edge_count},
+                         error);
     check->run.told.names = check->objects.names;
     if (status == PCCD_OK && check->options->check.ask.csv != NULL) {
         check->csv.has_step = part->files.count > 2;

@@ -53,12 +53,18 @@ static void load_query(const struct eng_pairs *pairs, uint32_t pair,
     }
 }
 
+/* Return the points of all pairs, as a kernel for a kind takes them. */
+static struct eng_quads quads_of(const struct eng_pairs *pairs, uint32_t kind)
+{
+    return (struct eng_quads){kind, pairs->points, pairs->quads};
+}
+
 /* ---- contacts ---------------------------------------------------------------------- */
 
 static uint32_t reject_axes(struct eng_batch *batch, const struct eng_pairs *pairs)
 {
-    return batch->kernels->reject_axes((enum pccd_kind)pairs->kind, pairs->points,
-                                       pairs->quads, pairs->count, batch->left);
+    return batch->kernels->reject_axes(quads_of(pairs, pairs->kind), pairs->count,
+                                       batch->left);
 }
 
 static uint32_t reject_thin(struct eng_batch *batch, const struct eng_pairs *pairs)
@@ -69,8 +75,8 @@ static uint32_t reject_thin(struct eng_batch *batch, const struct eng_pairs *pai
                          : all_of(pairs->count, batch->left);
     return pairs->known == ENG_KNOWN_SIEVED || !eng_solvers[kind].has_kernels
                ? count
-               : batch->kernels->filter(kind, pairs->points, pairs->quads, batch->left,
-                                        count, batch->left);
+               : batch->kernels->filter(quads_of(pairs, kind), batch->left, count,
+                                        batch->left);
 }
 
 static bool share_corner(const struct eng_pairs *pairs, uint32_t pair)
@@ -103,8 +109,8 @@ static void advance_unsure(struct eng_batch *batch, const struct eng_pairs *pair
     for (uint32_t i = 0; i < apart_count; i += PAIRS_ADVANCED) {
         uint32_t n = apart_count - i < PAIRS_ADVANCED ? apart_count - i : PAIRS_ADVANCED;
         struct eng_advance advance[PAIRS_ADVANCED] = {{0}}; /* at a distance of 0 */
-        batch->kernels->advance(pairs->kind, pairs->points, pairs->quads, apart + i, n,
-                                &limits, advance);
+        batch->kernels->advance(quads_of(pairs, pairs->kind), apart + i, n, &limits,
+                                advance);
         for (uint32_t k = 0; k < n; k++) {
             batch->unsure[kept] = apart[i + k];
             kept += advance[k].now != ENG_ADVANCE_MISSES;
@@ -123,8 +129,8 @@ static void decide_thin(struct eng_batch *batch, const struct eng_pairs *pairs)
     }
     struct eng_bracketed out = {
         .index = batch->index, .hits = batch->hits, .unsure = batch->unsure};
-    batch->kernels->bracket(kind, pairs->points, pairs->quads, batch->left,
-                            batch->survivors, batch->tolerance, batch->t_end, &out);
+    batch->kernels->bracket(quads_of(pairs, kind), batch->left, batch->survivors,
+                            batch->tolerance, batch->t_end, &out);
     batch->found = out.hit_count;
     batch->unsure_count = out.unsure_count;
     advance_unsure(batch, pairs);
@@ -160,8 +166,7 @@ static uint32_t reject_thick(struct eng_batch *batch, const struct eng_pairs *pa
     for (uint32_t i = 0; i < pairs->count; i++) {
         batch->lanes->reach[i] = eng_thick_reach(pairs->radius[i]);
     }
-    return batch->kernels->reject_thick(common_kinds[pairs->kind].points[0],
-                                        pairs->points, pairs->quads, pairs->count,
+    return batch->kernels->reject_thick(quads_of(pairs, pairs->kind), pairs->count,
                                         batch->lanes->reach, batch->left);
 }
 
@@ -185,8 +190,8 @@ static void decide_thick(struct eng_batch *batch, const struct eng_pairs *pairs)
         batch->lanes->advance[i] =
             (struct eng_advance){.lo = eng_thick_sum(pairs->radius[batch->left[i]])};
     }
-    batch->kernels->advance(pairs->kind, pairs->points, pairs->quads, batch->left, left,
-                            &limits, batch->lanes->advance);
+    batch->kernels->advance(quads_of(pairs, pairs->kind), batch->left, left, &limits,
+                            batch->lanes->advance);
     for (uint32_t i = 0; i < left; i++) {
         batch->survivors -= batch->lanes->advance[i].now == ENG_ADVANCE_MISSES;
         if (batch->lanes->advance[i].now == ENG_ADVANCE_UNDECIDED) {
@@ -210,8 +215,8 @@ static uint64_t ask_thick(struct eng_batch *batch, const struct eng_pairs *pairs
 
 static void describe_thick(struct eng_batch *batch, const struct eng_pairs *pairs)
 {
-    batch->kernels->describe(pairs->kind, pairs->points, pairs->quads, batch->index,
-                             batch->found, batch->hits);
+    batch->kernels->describe(quads_of(pairs, pairs->kind), batch->index, batch->found,
+                             batch->hits);
 }
 
 /* ---- mode pairs -------------------------------------------------------------------- */
@@ -326,9 +331,8 @@ static uint32_t reject_far(struct eng_batch *batch, const struct eng_pairs *pair
     return pairs->known == ENG_KNOWN_SIEVED
                ? all_of(pairs->count, batch->left)
                : batch->kernels->reject_at_end(
-                     eng_distance_form((enum pccd_kind)pairs->kind), pairs->points,
-                     pairs->quads, pairs->count, pairs->question->end, pairs->reach,
-                     batch->left);
+                     quads_of(pairs, eng_distance_form((enum pccd_kind)pairs->kind)),
+                     pairs->count, pairs->question->end, pairs->reach, batch->left);
 }
 
 static void measure(struct eng_batch *batch, const struct eng_pairs *pairs)
@@ -339,9 +343,8 @@ static void measure(struct eng_batch *batch, const struct eng_pairs *pairs)
                                .found = batch->near,
                                .imprecise = batch->unsure,
                                .undecided = batch->undecided};
-    batch->kernels->measure(eng_distance_form(kind), pairs->points, pairs->quads,
-                            batch->left, batch->survivors, pairs->question->end,
-                            pairs->reach, &out);
+    batch->kernels->measure(quads_of(pairs, eng_distance_form(kind)), batch->left,
+                            batch->survivors, pairs->question->end, pairs->reach, &out);
     batch->found = out.near_count;
     batch->near_count = out.imprecise_count;
     batch->unsure_count = out.imprecise_count + out.undecided_count;

@@ -475,8 +475,13 @@ static int sign_at(struct eng_poly *scratch, const struct eng_poly *a, const mpz
     return mpz_sgn(value);
 }
 
+static long length_of(const mpz_t num)
+{
+    return mpz_sgn(num) == 0 ? 0 : (long)mpz_sizeinbase(num, 2);
+}
+
 /* The signs of the Bernstein coefficients of `a` over [num, num + 1] / 2^k, from right
- * to left, 0 where they are not sure. `num` has `length` bits.
+ * to left, 0 where they are not sure.
  *
  * With t = 2^(length - k) s the interval is [num, num + 1] / 2^length in s, within
  * [0, 1]. A rounded coefficient is off by less than 1. A Bernstein coefficient is a mean
@@ -484,10 +489,10 @@ static int sign_at(struct eng_poly *scratch, const struct eng_poly *a, const mpz
  * binomial by less than 30, and after zooming by less than 2^5 times
  * 2^(length degree). */
 static void look_roughly(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
-                         unsigned long k, long length, long bits,
-                         int signs[ENG_POLY_TERMS])
+                         unsigned long k, long bits, int signs[ENG_POLY_TERMS])
 {
     assert(a->degree <= 4);
+    long length = length_of(num);
     long e = (long)k - length;
     unsigned long error = 5 + (unsigned long)length * (unsigned long)a->degree;
     round_off(out, a, e, bits - longest(a, e));
@@ -520,13 +525,13 @@ bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t
                        unsigned long k, int *sign)
 {
     int signs[ENG_POLY_TERMS];
-    long length = mpz_sgn(num) == 0 ? 0 : (long)mpz_sizeinbase(num, 2);
+    long length = length_of(num);
     long all = a->degree > 0 ? longest(a, 0) + a->degree * (long)k : 0;
     enum plain plain = UNSURE;
     assert((unsigned long)length <= k);
     for (long bits = ROUND_BITS + 2 * length; plain == UNSURE && 2 * bits < all;
          bits *= 4) {
-        look_roughly(scratch, a, num, k, length, bits, signs);
+        look_roughly(scratch, a, num, k, bits, signs);
         plain = judge(signs, a->degree, sign);
     }
     if (plain == PLAIN) {

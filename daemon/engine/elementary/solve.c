@@ -430,7 +430,8 @@ static bool is_filtered(const struct eng_query *query)
         memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
     }
     return eng_kernels_of(ENG_ISA_SCALAR)
-               ->filter(query->kind, points, quads, &pair, 1, &pair) == 0;
+               ->filter((struct eng_quads){query->kind, points, quads}, &pair, 1,
+                        &pair) == 0;
 }
 
 bool eng_solve(const struct eng_query *query, double tolerance, double t_end,

@@ -64,8 +64,8 @@ static void advance_alone(const struct eng_thick_query *query, int depth, double
     const struct eng_kernels *kernels = set_points(&query->query, points);
     const struct eng_advance_limits limits = {query->approach, t_end, depth};
     *advance = (struct eng_advance){.lo = eng_thick_sum(query->radius)};
-    kernels->advance((uint32_t)query->query.kind, points, quads, pairs, 1, &limits,
-                     advance);
+    kernels->advance((struct eng_quads){(uint32_t)query->query.kind, points, quads},
+                     pairs, 1, &limits, advance);
 }
 
 /* ---- decisions --------------------------------------------------------------------- */
@@ -139,7 +139,8 @@ bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
     if (!eng_thick_decide(thick, query, &advance, tolerance, t_end, &found)) {
         return false;
     }
-    set_points(&query->query, points)->describe(kind, points, quads, pairs, 1, &found);
+    set_points(&query->query, points)
+        ->describe((struct eng_quads){kind, points, quads}, pairs, 1, &found);
     *hit = found;
     return true;
 }

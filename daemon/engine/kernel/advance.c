@@ -657,15 +657,13 @@ ENG_INLINE void advance(enum pccd_kind form, const struct eng_point *points,
     }
 }
 
-void ENG_KERNEL(advance)(uint32_t kind, const struct eng_point *points,
-                         const uint32_t (*quads)[4], const uint32_t *pairs,
-                         uint32_t count, const struct eng_advance_limits *limits,
-                         struct eng_advance *all)
+void ENG_KERNEL(advance)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
+                         const struct eng_advance_limits *limits, struct eng_advance *all)
 {
-    if (eng_thick_form(kind) == PCCD_VF) {
-        advance(PCCD_VF, points, quads, pairs, count, limits, all);
+    if (eng_thick_form(chunk.kind) == PCCD_VF) {
+        advance(PCCD_VF, chunk.points, chunk.quads, pairs, count, limits, all);
     } else {
-        advance(PCCD_EE, points, quads, pairs, count, limits, all);
+        advance(PCCD_EE, chunk.points, chunk.quads, pairs, count, limits, all);
     }
 }
 
@@ -706,13 +704,13 @@ ENG_INLINE void describe(enum pccd_kind form, bool is_ve, const struct eng_point
     }
 }
 
-void ENG_KERNEL(describe)(uint32_t kind, const struct eng_point *points,
-                          const uint32_t (*quads)[4], const uint32_t *pairs,
-                          uint32_t count, struct eng_hit *hits)
+void ENG_KERNEL(describe)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
+                          struct eng_hit *hits)
 {
-    if (eng_thick_form(kind) == PCCD_EE) {
-        describe(PCCD_EE, false, points, quads, pairs, count, hits);
+    if (eng_thick_form(chunk.kind) == PCCD_EE) {
+        describe(PCCD_EE, false, chunk.points, chunk.quads, pairs, count, hits);
     } else {
-        describe(PCCD_VF, kind == PCCD_VE, points, quads, pairs, count, hits);
+        describe(PCCD_VF, chunk.kind == PCCD_VE, chunk.points, chunk.quads, pairs, count,
+                 hits);
     }
 }

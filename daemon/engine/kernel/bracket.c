@@ -188,13 +188,12 @@ ENG_INLINE void bracket(enum pccd_kind kind, const struct eng_point *points,
                                      out, out->unsure + out->unsure_count);
 }
 
-void ENG_KERNEL(bracket)(enum pccd_kind kind, const struct eng_point *points,
-                         const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
+void ENG_KERNEL(bracket)(struct eng_quads chunk, uint32_t *pairs, uint32_t count,
                          double tolerance, double t_end, struct eng_bracketed *out)
 {
-    if (kind == PCCD_VF) {
-        bracket(PCCD_VF, points, quads, pairs, count, tolerance, t_end, out);
+    if (chunk.kind == PCCD_VF) {
+        bracket(PCCD_VF, chunk.points, chunk.quads, pairs, count, tolerance, t_end, out);
     } else {
-        bracket(PCCD_EE, points, quads, pairs, count, tolerance, t_end, out);
+        bracket(PCCD_EE, chunk.points, chunk.quads, pairs, count, tolerance, t_end, out);
     }
 }

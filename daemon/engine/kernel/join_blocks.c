@@ -592,6 +592,7 @@ struct sides {
     const uint32_t *around;      /* b */
     const uint32_t *a_corner[2]; /* those of features that are looked at */
     const uint32_t *b_corner[3];
+    uint32_t selves; /* a bit for each block to be compared with itself */
 };
 
 /* Return whether blocks are compared as they lie in the trees. */
@@ -745,16 +746,16 @@ ENG_INLINE struct until until_as_rules_ask(const struct eng_join *job)
 
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
  * where either is from sides->a and sides->b on, and which they are in their runs.
- * Returns how many. Of a run with itself, `self`, those of two blocks alone, and bits of
- * the other ones to *selves. Nor those that stand, or are foreign, where all of the block
+ * Returns how many. Of a run with itself, `self`, those of two blocks alone, and the
+ * other ones to sides->selves. Nor those that stand, or are foreign, where all of the block
  * is so, too. */
 ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *round,
-                               const struct sides *sides, uint32_t pairs, bool self,
-                               enum rule rule, struct until until, uint32_t *selves)
+                               struct sides *sides, uint32_t pairs, bool self,
+                               enum rule rule, struct until until)
 {
     const uint32_t stride = block_stride(is_plain(rule));
     uint32_t count = 0;
-    *selves = 0;
+    uint32_t selves = 0;
     for (uint32_t i = pairs; i-- > 0;) {
         uint32_t n = round->a[round->count + i] % ENG_WIDE;
         uint32_t m = round->b[round->count + i] % ENG_WIDE;
@@ -765,7 +766,7 @@ ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *roun
                             : overlap(around, rows, rule, until.weight);
         if (self) {
             uint32_t is_one = n == m;
-            *selves |= is_one << n;
+            selves |= is_one << n;
             bits &= is_one - 1;
         }
         if (job->a_moving || job->a_own) {
@@ -774,28 +775,30 @@ ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *roun
         eng_pack16(round->place + count, bits, n * stride | m * stride << 16);
         count += eng_pack16(round->box + count, bits, n * ENG_WIDE | m << 8);
     }
+    sides->selves = selves;
     return count;
 }
 
 ENG_INLINE uint32_t begin_by(struct eng_join *job, struct eng_join_round *round,
                              uint32_t pairs, bool self, enum rule rule,
-                             struct sides *sides, uint32_t *selves)
+                             struct sides *sides)
 {
     const struct until until = until_as_rules_ask(job);
     *sides = make_ready(job, round, pairs, rule);
-    return self ? list_boxes(job, round, sides, pairs, true, rule, until, selves)
-                : list_boxes(job, round, sides, pairs, false, rule, until, selves);
+    return self ? list_boxes(job, round, sides, pairs, true, rule, until)
+                : list_boxes(job, round, sides, pairs, false, rule, until);
 }
 
 /* One for all joins: one for each takes the compiler three times as long. */
-static __attribute__((noinline)) uint32_t
-begin_round(struct eng_join *job, struct eng_join_round *round, uint32_t pairs, bool self,
-            enum rule rule, struct sides *sides, uint32_t *selves)
+static __attribute__((noinline)) uint32_t begin_round(struct eng_join *job,
+                                                      struct eng_join_round *round,
+                                                      uint32_t pairs, bool self,
+                                                      enum rule rule, struct sides *sides)
 {
     switch (rule) {
 #define BEGIN(rule)                                                                      \
     case rule:                                                                           \
-        return begin_by(job, round, pairs, self, rule, sides, selves);
+        return begin_by(job, round, pairs, self, rule, sides);
         BEGIN(RULE_STEP)
         BEGIN(RULE_UNTIL)
         BEGIN(RULE_NEAR)
@@ -889,11 +892,11 @@ ENG_INLINE uint32_t test_boxes(struct eng_join_round *round, const struct sides 
 
 /* The same of the boxes of blocks with themselves: behind the `found` ones. */
 ENG_INLINE uint32_t test_selves(struct eng_join_round *round, const struct sides *sides,
-                                uint32_t selves, uint32_t found, struct wants wants,
-                                enum rule rule, struct until until)
+                                uint32_t found, struct wants wants, enum rule rule,
+                                struct until until)
 {
     const uint32_t stride = block_stride(is_plain(rule));
-    for (; selves != 0; selves &= selves - 1) {
+    for (uint32_t selves = sides->selves; selves != 0; selves &= selves - 1) {
         uint32_t n = (uint32_t)__builtin_ctz(selves);
         uint32_t after = wants.twins ? 0xffff : 0xfffe; /* those, of the box in lane i */
         for (uint32_t i = 0; i < ENG_WIDE; i++) {
@@ -915,14 +918,13 @@ ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
 {
     const struct until until = until_as_rules_ask(job);
     struct sides sides;
-    uint32_t selves;
-    uint32_t count = begin_round(job, round, pairs, self, rule, &sides, &selves);
+    uint32_t count = begin_round(job, round, pairs, self, rule, &sides);
     look_at_corners(job, &sides, wants);
     uint32_t found = test_boxes(round, &sides, count, wants, rule, until);
     job->tests += pairs + count;
     if (self) {
-        job->tests += ENG_WIDE * (uint32_t)__builtin_popcount(selves);
-        found = test_selves(round, &sides, selves, found, wants, rule, until);
+        job->tests += ENG_WIDE * (uint32_t)__builtin_popcount(sides.selves);
+        found = test_selves(round, &sides, found, wants, rule, until);
     }
     return found;
 }

@@ -67,12 +67,21 @@ struct eng_sieve {
     bool cubic_first; /* which of two tests goes first; the sieve's own, false before */
     bool prunes;      /* sift_near: what is known of a pair's points counts, that of which
                        * least is */
+    uint32_t end;     /* sift_near: of the step, 0 or 1 */
 };
 
 /* Places behind the last pair that the sieve may write to. */
 #define ENG_SIEVE_SPARE 16u
 
-/* ---- what kernels say of a chunk ------------------------------------------------- */
+/* ---- a chunk, and what kernels say of it ------------------------------------------ */
+
+/* The pairs of a chunk, of one kind: points[quads[i][0 .. 3]] are those of pair i, in the
+ * order of query.h. A kind of fewer points has the last one repeated. */
+struct eng_quads {
+    uint32_t kind; /* enum pccd_kind */
+    const struct eng_point *points;
+    const uint32_t (*quads)[4];
+};
 
 /* The decisions of the certified solver about a chunk. */
 struct eng_bracketed {
@@ -213,9 +222,9 @@ struct eng_kernels {
                                                  uint32_t *out_a, uint32_t *out_b,
                                                  uint32_t room);
 
-    /* Elementary tests of `count` pairs of one kind; quads as in batch.h. `reject_axes`
-     * knows every kind; sift, filter and bracket know those with has_kernels in
-     * eng_solvers: VF and EE, which the cubic of query.h decides. */
+    /* Elementary tests of the chunk's pairs. `reject_axes` knows every kind; sift, filter
+     * and bracket know those with has_kernels in eng_solvers: VF and EE, which the cubic
+     * of query.h decides. */
 
     /* Move the pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
      * cubic nor face diagonals reject, from their marks, to the front in the same order;
@@ -225,18 +234,15 @@ struct eng_kernels {
 
     /* Write the pairs 0 .. count-1 that no axis separates over the whole step to
      * kept[count]; returns how many. */
-    uint32_t (*reject_axes)(enum pccd_kind kind, const struct eng_point *points,
-                            const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
+    uint32_t (*reject_axes)(struct eng_quads chunk, uint32_t count, uint32_t *kept);
     /* Write the same by face diagonals and by the cubic, of the pairs pairs[count]; kept
      * may be `pairs`. */
-    uint32_t (*filter)(enum pccd_kind kind, const struct eng_point *points,
-                       const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+    uint32_t (*filter)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
                        uint32_t *kept);
     /* Decide pairs[count], which is changed: append the contacts that begin before or at
      * t_end and what is unsure to `out`, whose arrays have room for `count` more; the
      * rest are misses. */
-    void (*bracket)(enum pccd_kind kind, const struct eng_point *points,
-                    const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
+    void (*bracket)(struct eng_quads chunk, uint32_t *pairs, uint32_t count,
                     double tolerance, double t_end, struct eng_bracketed *out);
 
     /* Distances of pairs at one end of the step, 0 or 1: VF and EE. */
@@ -244,26 +250,22 @@ struct eng_kernels {
     /* Sift pairs of marks as `sift`: those stay that are not certainly farther apart than
      * `reach`, in cells of the grid, 0 .. 2^31; of PCCD_EF, those whose edge is not
      * certainly on one side of the plane of the face. */
-    uint32_t (*sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
-                          float reach, uint32_t *a, uint32_t *b, uint32_t count);
+    uint32_t (*sift_near)(uint32_t kind, const struct eng_sieve *sieve, float reach,
+                          uint32_t *a, uint32_t *b, uint32_t count);
 
     /* Write the pairs 0 .. count-1 that are not certainly farther apart than d, by their
      * boxes and by the planes across both, to kept[count]; returns how many. */
-    uint32_t (*reject_at_end)(enum pccd_kind kind, const struct eng_point *points,
-                              const uint32_t (*quads)[4], uint32_t count, uint32_t end,
+    uint32_t (*reject_at_end)(struct eng_quads chunk, uint32_t count, uint32_t end,
                               double d, uint32_t *kept);
     /* Compare pairs[count] with d, and append to `out`. What is said is what distance.h
      * would say. */
-    void (*measure)(enum pccd_kind kind, const struct eng_point *points,
-                    const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+    void (*measure)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
                     uint32_t end, double d, struct eng_measured *out);
     /* Write the pairs 0 .. count-1 of thick features that are not certainly farther apart
-     * than reach[..], all over the step, to kept[count]; returns how many. quads: the
-     * points of the kind, the last one repeated; points_a of them, 1 or 2, are feature
-     * a's. reach: 0 or more, and not below the pair's r. */
-    uint32_t (*reject_thick)(uint32_t points_a, const struct eng_point *points,
-                             const uint32_t (*quads)[4], uint32_t count,
-                             const double *reach, uint32_t *kept);
+     * than reach[..], all over the step, to kept[count]; returns how many. reach: 0 or
+     * more, and not below the pair's r. */
+    uint32_t (*reject_thick)(struct eng_quads chunk, uint32_t count, const double *reach,
+                             uint32_t *kept);
 
     /* Sift pairs of marks as `sift`: those of VF and EE stay that are not certainly
      * farther apart than `reach`, in cells of the grid, all over the step. What goes,
@@ -274,13 +276,11 @@ struct eng_kernels {
     /* Tell what becomes of pairs[count], at most ENG_ADVANCE_MAX, of VF, EE, VE or VV, in
      * advance[count], where `lo` and what its comment asks for are set by the caller.
      * What is said of a pair does not depend on the others. */
-    void (*advance)(uint32_t kind, const struct eng_point *points,
-                    const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+    void (*advance)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
                     const struct eng_advance_limits *limits, struct eng_advance *advance);
     /* Set param and normal of contacts of these kinds, at their toi: hits[i] is of
      * pairs[i]. */
-    void (*describe)(uint32_t kind, const struct eng_point *points,
-                     const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+    void (*describe)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
                      struct eng_hit *hits);
 
     /* Append to `out` which edges pass through which faces, indices as the points of

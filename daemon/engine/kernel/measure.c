@@ -264,7 +264,7 @@ ENG_INLINE void measure(enum pccd_kind kind, enum eng_distance_wanted wanted,
 
 #define MEASURE(KIND, WANTED)                                                            \
     case WANTED:                                                                         \
-        measure(KIND, WANTED, points, quads, pairs, count, end, d, out);                 \
+        measure(KIND, WANTED, chunk.points, chunk.quads, pairs, count, end, d, out);     \
         break
 
 #define MEASURE_ANY(KIND)                                                                \
@@ -274,11 +274,10 @@ ENG_INLINE void measure(enum pccd_kind kind, enum eng_distance_wanted wanted,
         MEASURE(KIND, ENG_DISTANCE_WHOLE);                                               \
     }
 
-void ENG_KERNEL(measure)(enum pccd_kind kind, const struct eng_point *points,
-                         const uint32_t (*quads)[4], const uint32_t *pairs,
-                         uint32_t count, uint32_t end, double d, struct eng_measured *out)
+void ENG_KERNEL(measure)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
+                         uint32_t end, double d, struct eng_measured *out)
 {
-    if (kind == PCCD_VF) {
+    if (chunk.kind == PCCD_VF) {
         MEASURE_ANY(PCCD_VF)
     } else {
         MEASURE_ANY(PCCD_EE)

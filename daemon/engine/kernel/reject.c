@@ -108,12 +108,12 @@ ENG_INLINE uint32_t filter_both(enum pccd_kind kind, const struct eng_point *poi
     return filter(kind, true, points, quads, kept, count, kept);
 }
 
-uint32_t ENG_KERNEL(filter)(enum pccd_kind kind, const struct eng_point *points,
-                            const uint32_t (*quads)[4], const uint32_t *pairs,
-                            uint32_t count, uint32_t *kept)
+uint32_t ENG_KERNEL(filter)(struct eng_quads chunk, const uint32_t *pairs, uint32_t count,
+                            uint32_t *kept)
 {
-    return kind == PCCD_VF ? filter_both(PCCD_VF, points, quads, pairs, count, kept)
-                           : filter_both(PCCD_EE, points, quads, pairs, count, kept);
+    return chunk.kind == PCCD_VF
+               ? filter_both(PCCD_VF, chunk.points, chunk.quads, pairs, count, kept)
+               : filter_both(PCCD_EE, chunk.points, chunk.quads, pairs, count, kept);
 }
 
 /* ---- thick features ---------------------------------------------------------------- */
@@ -219,12 +219,12 @@ ENG_INLINE uint32_t reject_thick(enum pccd_kind kind, const struct eng_point *po
     return kept_count;
 }
 
-uint32_t ENG_KERNEL(reject_thick)(uint32_t points_a, const struct eng_point *points,
-                                  const uint32_t (*quads)[4], uint32_t count,
+uint32_t ENG_KERNEL(reject_thick)(struct eng_quads chunk, uint32_t count,
                                   const double *reach, uint32_t *kept)
 {
-    return points_a == 1 ? reject_thick(PCCD_VF, points, quads, count, reach, kept)
-                         : reject_thick(PCCD_EE, points, quads, count, reach, kept);
+    return chunk.kind != PCCD_EE
+               ? reject_thick(PCCD_VF, chunk.points, chunk.quads, count, reach, kept)
+               : reject_thick(PCCD_EE, chunk.points, chunk.quads, count, reach, kept);
 }
 
 /* ---- at one end -------------------------------------------------------------------- */
@@ -267,10 +267,10 @@ ENG_INLINE uint32_t reject_at_end(enum pccd_kind kind, const struct eng_point *p
     return kept_count;
 }
 
-uint32_t ENG_KERNEL(reject_at_end)(enum pccd_kind kind, const struct eng_point *points,
-                                   const uint32_t (*quads)[4], uint32_t count,
-                                   uint32_t end, double d, uint32_t *kept)
+uint32_t ENG_KERNEL(reject_at_end)(struct eng_quads chunk, uint32_t count, uint32_t end,
+                                   double d, uint32_t *kept)
 {
-    return kind == PCCD_VF ? reject_at_end(PCCD_VF, points, quads, count, end, d, kept)
-                           : reject_at_end(PCCD_EE, points, quads, count, end, d, kept);
+    return chunk.kind == PCCD_VF
+               ? reject_at_end(PCCD_VF, chunk.points, chunk.quads, count, end, d, kept)
+               : reject_at_end(PCCD_EE, chunk.points, chunk.quads, count, end, d, kept);
 }

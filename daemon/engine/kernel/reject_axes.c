@@ -149,11 +149,10 @@ ENG_INLINE uint32_t not_apart(uint32_t points_a, const struct eng_point *points,
 
 #endif
 
-uint32_t ENG_KERNEL(reject_axes)(enum pccd_kind kind, const struct eng_point *points,
-                                 const uint32_t (*quads)[4], uint32_t count,
-                                 uint32_t *kept)
+uint32_t ENG_KERNEL(reject_axes)(struct eng_quads chunk, uint32_t count, uint32_t *kept)
 {
-    assert(common_kinds[kind].points[0] <= 2);
-    return common_kinds[kind].points[0] == 1 ? not_apart(1, points, quads, count, kept)
-                                             : not_apart(2, points, quads, count, kept);
+    assert(common_kinds[chunk.kind].points[0] <= 2);
+    return common_kinds[chunk.kind].points[0] == 1
+               ? not_apart(1, chunk.points, chunk.quads, count, kept)
+               : not_apart(2, chunk.points, chunk.quads, count, kept);
 }

@@ -299,11 +299,11 @@ ENG_INLINE uint32_t sift_near(uint32_t kind, bool prunes, const struct eng_sieve
 
 /* The end, and whether it prunes, as constants of the code. */
 #define SIFT_NEAR(kind, prunes)                                                          \
-    (end == 0 ? sift_near(kind, prunes, sieve, 0, reach, a, b, count)                    \
-              : sift_near(kind, prunes, sieve, 1, reach, a, b, count))
+    (sieve->end == 0 ? sift_near(kind, prunes, sieve, 0, reach, a, b, count)             \
+                     : sift_near(kind, prunes, sieve, 1, reach, a, b, count))
 
-uint32_t ENG_KERNEL(sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
-                               float reach, uint32_t *a, uint32_t *b, uint32_t count)
+uint32_t ENG_KERNEL(sift_near)(uint32_t kind, const struct eng_sieve *sieve, float reach,
+                               uint32_t *a, uint32_t *b, uint32_t count)
 {
     if (sieve->prunes) {
         return kind == PCCD_VF ? SIFT_NEAR(PCCD_VF, true) : SIFT_NEAR(PCCD_EE, true);

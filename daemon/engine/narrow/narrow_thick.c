@@ -131,9 +131,9 @@ static uint32_t leave_beyond(struct eng_worker *worker, const struct eng_pairs *
     for (uint32_t i = 0; i < pairs->count; i++) {
         reach[i] = eng_thick_reach(pairs->radius[i]);
     }
-    return worker->kernels->reject_thick(common_kinds[pairs->kind].points[0],
-                                         pairs->points, pairs->quads, pairs->count, reach,
-                                         narrow->batch.left);
+    return worker->kernels->reject_thick(
+        (struct eng_quads){pairs->kind, pairs->points, pairs->quads}, pairs->count, reach,
+        narrow->batch.left);
 }
 
 /* Those stay that are not left thin for their rest. To find out takes longer than most
@@ -201,17 +201,17 @@ void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-/* Return whether the distance of the pair at the end that is asked for is at most the
- * sum. */
-static bool is_within(struct eng_narrow_thick *work, enum pccd_kind kind,
-                      const struct eng_point *points, const uint32_t quad[4],
-                      uint32_t end, const double radius[3], struct eng_exact *contacts)
+/* Return whether the distance of a pair at the end that is asked for is at most the sum. */
+static bool is_within(struct eng_worker *worker, const struct eng_pairs *pairs,
+                      uint32_t number, const double radius[3])
 {
+    struct eng_narrow_thick *work = worker->narrow->thick;
+    const enum pccd_kind kind = (enum pccd_kind)pairs->kind;
     struct eng_thick_query query = {.query = {.kind = kind}};
     struct eng_hit hit;
     for (int i = 0; i < 4; i++) {
-        const struct eng_point *point = &points[quad[i]];
-        const double *x = end == 0 ? point->x0 : point->x1;
+        const struct eng_point *point = &pairs->points[pairs->quads[number][i]];
+        const double *x = worker->question->end == 0 ? point->x0 : point->x1;
         memcpy(query.query.x[0][i], x, sizeof query.query.x[0][i]);
         memcpy(query.query.x[1][i], x, sizeof query.query.x[1][i]);
     }
@@ -220,7 +220,7 @@ static bool is_within(struct eng_narrow_thick *work, enum pccd_kind kind,
                                    (const double(*)[3])query.query.x[0], radius[2]);
     }
     memcpy(query.radius, radius, sizeof query.radius);
-    return eng_thick_solve(&work->thick, contacts, &query, 1, 1, &hit);
+    return eng_thick_solve(&work->thick, &worker->exact, &query, 1, 1, &hit);
 }
 
 bool eng_narrow_is_within(struct eng_worker *worker, const struct eng_pairs *pairs,
@@ -247,8 +247,7 @@ bool eng_narrow_is_within(struct eng_worker *worker, const struct eng_pairs *pai
     }
     double most = eng_thick_reach(radius);
     if (found->lo > most || (found->hi > most * (1 - 16 * ENG_U) &&
-                             !is_within(work, kind, pairs->points, quad, asked->end,
-                                        radius, &worker->exact))) {
+                             !is_within(worker, pairs, number, radius))) {
         return false;
     }
     if (is_bound) {

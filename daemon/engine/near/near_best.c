@@ -90,21 +90,18 @@ struct eng_near_pair eng_near_vv(const struct eng_scene *scene, uint32_t a, uint
     return pair;
 }
 
-void eng_near_best_begin(struct eng_near_best *best, double distance, double gap,
-                         const double most[2])
+void eng_near_best_begin(struct eng_near_best *best, const struct eng_near_limits *limits)
 {
-    assert(distance >= 0 && gap >= 0);
-    best->distance = distance;
-    best->gap = gap;
-    memcpy(best->most, most, sizeof best->most);
-    best->radii = eng_sum_up(most[0], most[1]);
+    assert(limits->distance >= 0 && limits->gap >= 0);
+    best->limits = *limits;
+    best->radii = eng_sum_up(limits->most[0], limits->most[1]);
     best->is_made = false;
 }
 
 /* Surfaces that are farther apart need not be looked at. */
 static double surfaces_reach(const struct eng_near_best *best)
 {
-    return best->is_made ? best->hi - best->gap : best->distance;
+    return best->is_made ? best->hi - best->limits.gap : best->limits.distance;
 }
 
 double eng_near_best_reach(const struct eng_near_best *best)
@@ -249,7 +246,7 @@ static void take(struct eng_near_best *best, const struct eng_near_pair *pair,
     best->lo = glance->lo;
     best->hi = glance->hi;
     best->is_least =
-        glance->touches && eng_radii_order(best->radius, best->most) == ENG_ZERO;
+        glance->touches && eng_radii_order(best->radius, best->limits.most) == ENG_ZERO;
     best->has_parts = glance->has_parts;
     best->part_count = glance->part_count;
     memcpy(best->parts, glance->parts, sizeof best->parts);
@@ -300,9 +297,9 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
         return;
     }
     if (!best->is_made) {
-        if (glance.hi <= best->distance ||
+        if (glance.hi <= best->limits.distance ||
             eng_distance_order_within(best->order, best->distances, &features,
-                                      best->distance)) {
+                                      best->limits.distance)) {
             take(best, pair, &features, &glance);
         }
         return;
@@ -355,8 +352,8 @@ void eng_near_describe(const struct eng_near_best *best, const struct eng_near_p
     struct eng_distance distance = measure(best, pair);
     memset(record, 0, sizeof *record);
     record->kind = pair->kind;
-    record->flags =
-        (uint32_t)distance.type << 8 | (best->gap > 0 ? (uint32_t)PCCD_NEAR_GAP : 0);
+    record->flags = (uint32_t)distance.type << 8 |
+                    (best->limits.gap > 0 ? (uint32_t)PCCD_NEAR_GAP : 0);
     record->object_a = object_a->id;
     record->object_b = object_b->id;
     record->feature_a = number_of(object_a, sides[0], pair->feature[0]);

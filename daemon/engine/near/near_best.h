@@ -42,16 +42,20 @@ struct eng_near_pair eng_near_ve(const struct eng_scene *scene, uint32_t of_vert
 struct eng_near_pair eng_near_vv(const struct eng_scene *scene, uint32_t a, uint32_t v,
                                  uint32_t b, uint32_t w);
 
+/* Limits of what a pair's surfaces, its distance less its radii, are apart; >= 0. */
+struct eng_near_limits {
+    double distance; /* what is farther does not count; INFINITY: all does */
+    double gap;      /* what is nearer by at most that need not be found */
+    double most[2];  /* the largest radii of the two objects; zeros: they are thin */
+};
+
 struct eng_near_best {
     const struct eng_scene *scene;
     const double (*x)[3]; /* the scene's positions at the moment */
     struct eng_distances *distances;
     struct eng_distance_order *order;
-    /* Of what a pair's surfaces, its distance less its radii, are apart: */
-    double distance; /* what is farther does not count; INFINITY: all does */
-    double gap;      /* what is nearer by at most that need not be found */
-    double most[2];  /* the largest radii of the two objects; zeros: they are thin */
-    double radii;    /* their sum, rounded up */
+    struct eng_near_limits limits;
+    double radii; /* the sum of both largest, rounded up */
     bool is_made;
     struct eng_near_pair pair;
     double radius[2]; /* of the pair */
@@ -64,9 +68,9 @@ struct eng_near_best {
     uint64_t looked; /* pairs since looked was 0 */
 };
 
-/* Begin: no pair is kept yet. distance >= 0, gap >= 0, most as in the struct. */
-void eng_near_best_begin(struct eng_near_best *best, double distance, double gap,
-                         const double most[2]);
+/* Begin: no pair is kept yet. */
+void eng_near_best_begin(struct eng_near_best *best,
+                         const struct eng_near_limits *limits);
 
 /* Return a distance: a pair whose distance is more, whatever its radii, need not be
  * looked at; negative: none need. */
@@ -74,7 +78,7 @@ double eng_near_best_reach(const struct eng_near_best *best);
 
 /* Look at a pair, and keep it as best->pair if none is kept that comes before it: by how
  * far their surfaces are apart, then by canonical order. One that is beyond
- * best->distance, or nearer by at most best->gap, may be left out. An edge and a face
+ * limits.distance, or nearer by at most limits.gap, may be left out. An edge and a face
  * are at distance 0 if the edge passes through, else they are left out. */
 void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair);
 

@@ -389,25 +389,26 @@ static void perform_nearest(struct eng_near_objects *objects,
 {
     uint32_t a = objects->shares[share].object;
     const struct eng_bounds *of_a = bounds_of(objects, a);
-    double distance = objects->ask.distance;
-    double most[2] = {largest_radius(objects, worker, a), 0};
+    struct eng_near_limits limits = {.distance = objects->ask.distance,
+                                     .gap = objects->ask.gap,
+                                     .most = {largest_radius(objects, worker, a)}};
     for (uint32_t i = share + 1; i < objects->share_count; i++) {
         uint32_t b = objects->shares[i].object;
         if (objects->shares[i].low - of_a->high[0] > worker->question->sought.reach ||
             ((i & 1023u) == 0 && eng_worker_should_stop(worker))) {
             return;
         }
-        most[1] = largest_radius(objects, worker, b);
+        limits.most[1] = largest_radius(objects, worker, b);
         if (!is_asked(objects, a, b) ||
             are_farther(of_a, bounds_of(objects, b),
-                        eng_sum_up(distance, eng_sum_up(most[0], most[1])))) {
+                        eng_sum_up(limits.distance,
+                                   eng_sum_up(limits.most[0], limits.most[1])))) {
             continue;
         }
         struct eng_near_pair first;
         bool is_warm = find_in_cache(&objects->cache, objects->scene, a, b, &first);
         worker->record.task_units++;
-        if (!eng_near_search_objects(search, a, b, distance, objects->ask.gap, most,
-                                     is_warm ? &first : NULL)) {
+        if (!eng_near_search_objects(search, a, b, &limits, is_warm ? &first : NULL)) {
             return;
         }
         if (search->best.is_made) {

@@ -297,14 +297,12 @@ static void open_both(struct eng_near_search *search, const uint32_t node[2])
     }
 }
 
-static const double thin[2] = {0, 0};
-
-static void begin(struct eng_near_search *search, uint32_t a, uint32_t b, double distance,
-                  double gap, const double most[2])
+static void begin(struct eng_near_search *search, uint32_t a, uint32_t b,
+                  const struct eng_near_limits *limits)
 {
     assert(a != b);
     set_frames(search, a, b);
-    eng_near_best_begin(&search->best, distance, gap, most);
+    eng_near_best_begin(&search->best, limits);
     search->reach = NAN; /* so that a limit is set */
     set_limit(search);
     search->item_count = 0;
@@ -333,10 +331,10 @@ static enum pccd_tree tree_of(uint32_t i)
 }
 
 bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
-                             double distance, double gap, const double most[2],
+                             const struct eng_near_limits *limits,
                              const struct eng_near_pair *first)
 {
-    begin(search, a, b, distance, gap, most);
+    begin(search, a, b, limits);
     if (first) {
         eng_near_best_look(&search->best, first);
         set_limit(search);
@@ -401,7 +399,7 @@ bool eng_near_search_crossings(struct eng_near_search *search, uint32_t a, uint3
                                                {PCCD_TREE_EDGES, PCCD_TREE_FACES},
                                                {PCCD_TREE_FACES, PCCD_TREE_EDGES}};
     *crossings = 0;
-    begin(search, a, b, 0, 0, thin);
+    begin(search, a, b, &(struct eng_near_limits){0});
     for (int i = 0; i < 3; i++) {
         (void)begin_trees(search, a, trees[i][0], b, trees[i][1]);
         while (search->item_count > 0 && !is_stopped(search)) {
@@ -461,7 +459,7 @@ static void begin_point(struct eng_near_search *search, uint32_t of_vertex, uint
                         uint32_t of_faces, float box[2][4])
 {
     const struct eng_object *object = &search->scene->objects[of_vertex];
-    begin(search, of_vertex, of_faces, INFINITY, 0, thin);
+    begin(search, of_vertex, of_faces, &(struct eng_near_limits){.distance = INFINITY});
     (void)search->method->leaves_of(search->scene, of_faces, PCCD_TREE_FACES, search->end,
                                     &search->leaves[1]);
     search->items[search->item_count++] =

@@ -55,10 +55,10 @@ void eng_near_search_at(struct eng_near_search *search,
                         uint32_t end);
 
 /* Find the pair of two objects whose surfaces are nearest, and within the distance, and
- * keep it in search->best; most: their largest radii, or zeros. `first`, NULL or a pair
- * of theirs, is looked at before any other. False: it was stopped. */
+ * keep it in search->best. `first`, NULL or a pair of theirs, is looked at before any
+ * other. False: it was stopped. */
 bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
-                             double distance, double gap, const double most[2],
+                             const struct eng_near_limits *limits,
                              const struct eng_near_pair *first);
 
 /* Set *crossings to the number of pairs of an edge of either object and a face of the

@@ -198,9 +198,8 @@ static bool is_much_bent(const struct decider *decider, const struct span *span)
 }
 
 /* Ask the kernel whether straight features come within r, when. */
-static void advance(const struct decider *decider, uint32_t kind, const struct span *span,
-                    const uint32_t (*quads)[4], uint32_t count, double r,
-                    struct eng_advance *told)
+static void advance(const struct decider *decider, struct eng_quads quads, uint32_t count,
+                    double r, struct eng_advance *told)
 {
     static const struct eng_advance_limits limits = {0, 1, DEPTH};
     for (uint32_t i = 0; i < count; i++) {
@@ -208,7 +207,7 @@ static void advance(const struct decider *decider, uint32_t kind, const struct s
     }
     /* One pair alone is quicker without lanes. */
     const struct eng_kernels *kernels = count > 1 ? eng_kernels() : decider->kernels;
-    kernels->advance(kind, span->points, quads, numbers, count, &limits, told);
+    kernels->advance(quads, numbers, count, &limits, told);
 }
 
 enum look {
@@ -237,10 +236,11 @@ static enum look look(const struct decider *decider, const struct span *span,
     if (!closely && is_much_bent(decider, span)) {
         return LOOK_UNASKED;
     }
-    if (decider->kernels->reject_thick(points_a, span->points, whole, 1, &r, left) == 0) {
+    if (decider->kernels->reject_thick((struct eng_quads){kind, span->points, whole}, 1,
+                                       &r, left) == 0) {
         return LOOK_FREE;
     }
-    advance(decider, kind, span, whole, 1, r, &told);
+    advance(decider, (struct eng_quads){kind, span->points, whole}, 1, r, &told);
     if (told.now == ENG_ADVANCE_MISSES) {
         return LOOK_FREE;
     }
@@ -258,7 +258,9 @@ static double prove_thick(const struct decider *decider, const struct span *span
     if (!(r > 0)) {
         return INFINITY;
     }
-    advance(decider, (uint32_t)decider->pair->kind, span, whole, 1, r, &told);
+    advance(decider,
+            (struct eng_quads){(uint32_t)decider->pair->kind, span->points, whole}, 1, r,
+            &told);
     switch ((enum eng_advanced)told.now) {
     case ENG_ADVANCE_INITIALLY:
         return span->l->t;
@@ -330,7 +332,8 @@ static bool is_rim_clear(const struct decider *decider, const struct span *span)
     if (!are_planes_apart(kind, span->l, r) || !are_planes_apart(kind, span->r, r)) {
         return false;
     }
-    advance(decider, PCCD_VE, span, rims[!is_vf], count, r, told);
+    advance(decider, (struct eng_quads){PCCD_VE, span->points, rims[!is_vf]}, count, r,
+            told);
     for (uint32_t i = 0; i < count; i++) {
         if (told[i].now != ENG_ADVANCE_MISSES) {
             return false;
@@ -615,7 +618,8 @@ static void describe(struct decider *decider, struct eng_hit *hit)
     set_moment(decider, toi, &decider->spare[0]);
     set_span(decider, &decider->spare[0], &decider->spare[0], &span);
     hit->toi = 0;
-    decider->kernels->describe((uint32_t)kind, span.points, whole, numbers, 1, hit);
+    decider->kernels->describe((struct eng_quads){(uint32_t)kind, span.points, whole},
+                               numbers, 1, hit);
     hit->toi = toi;
     if (decider->side != 0) {
         struct passage passage;

@@ -106,13 +106,12 @@ static void bound_way(const struct eng_path *path, double h, double way[2])
 }
 
 void eng_path_span(const struct eng_path *path, double t0, double t1,
-                   const struct eng_path_pose *begin, const struct eng_path_pose *middle,
-                   const struct eng_path_pose *end, struct eng_path_span *span)
+                   const struct eng_path_pose poses[3], struct eng_path_span *span)
 {
     double h = t1 - t0;
     double cube = OFF_PARABOLA * h * h * h;
     for (int i = 0; i < 12; i++) {
-        span->m[i] = middle->m[i] - 0.5 * (begin->m[i] + end->m[i]);
+        span->m[i] = poses[1].m[i] - 0.5 * (poses[0].m[i] + poses[2].m[i]);
     }
     for (int i = 0; i < 2; i++) {
         span->error[i] = (4 * path->error[i] + cube * path->jerk[i]) * ENG_PACE_SLOP;

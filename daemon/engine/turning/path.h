@@ -99,7 +99,6 @@ struct eng_path_span {
 /* Set *span from the poses of a path at t0, at (t0 + t1) / 2, which must be exact, and at
  * t1. */
 void eng_path_span(const struct eng_path *path, double t0, double t1,
-                   const struct eng_path_pose *begin, const struct eng_path_pose *middle,
-                   const struct eng_path_pose *end, struct eng_path_span *span);
+                   const struct eng_path_pose poses[3], struct eng_path_span *span);
 
 #endif

@@ -161,7 +161,7 @@ static void set_bow(const struct eng_sweep *sweep, double t0, double t1,
     pose[0] = *eng_poses_at(sweep->poses, t0);
     pose[1] = *eng_poses_at(sweep->poses, 0.5 * (t0 + t1));
     pose[2] = *eng_poses_at(sweep->poses, t1);
-    eng_path_span(sweep->poses->path, t0, t1, &pose[0], &pose[1], &pose[2], &span);
+    eng_path_span(sweep->poses->path, t0, t1, pose, &span);
     for (int k = 0; k < 3; k++) {
         const double *row = span.m + 4 * (size_t)k;
         for (int c = 0; c < 3; c++) {

@@ -157,12 +157,13 @@ void eng_wide_order_assign_slots(const struct eng_wide_order *order, enum pccd_t
 }
 
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
-                         struct eng_wide_positions positions, enum pccd_tree kind,
-                         uint32_t first, uint32_t count, struct eng_split_item *items,
+                         struct eng_wide_positions positions,
+                         struct eng_wide_sources sources, struct eng_split_item *items,
                          uint32_t *next)
 {
     const uint32_t *piece_of = order->piece_of;
-    for (uint32_t i = first; i < first + count; i++) {
+    const enum pccd_tree kind = sources.kind;
+    for (uint32_t i = sources.first; i < sources.first + sources.count; i++) {
         const uint32_t *v = kind == PCCD_TREE_EDGES ? mesh->edges[i] : mesh->leaves[i].v;
         uint32_t *place = &next[piece_of ? piece_of[v[0]] : 0];
         if (kind == PCCD_TREE_EDGES) {

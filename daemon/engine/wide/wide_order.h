@@ -87,12 +87,18 @@ void eng_wide_order_assign_slots(const struct eng_wide_order *order, enum pccd_t
                                  const struct eng_split_item *pieces,
                                  struct eng_split_item *items, uint32_t *next);
 
-/*   Put the features of one tree that edges, or leaves for the two other trees, first ..
- *   first + count - 1 own into the next slots of their pieces, which go on: item ids are
- *   local indices. After all of them each piece's are to be sorted. */
+/* Some edges of a mesh, or leaves for the two other trees, that own features of a tree. */
+struct eng_wide_sources {
+    enum pccd_tree kind;
+    uint32_t first;
+    uint32_t count;
+};
+
+/*   Put the features that sources own into the next slots of their pieces, which go on:
+ *   item ids are local indices. After all of them each piece's are to be sorted. */
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
-                         struct eng_wide_positions positions, enum pccd_tree kind,
-                         uint32_t first, uint32_t count, struct eng_split_item *items,
+                         struct eng_wide_positions positions,
+                         struct eng_wide_sources sources, struct eng_split_item *items,
                          uint32_t *next);
 
 #endif

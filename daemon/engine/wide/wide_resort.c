@@ -256,8 +256,9 @@ static void list_more(struct eng_wide_resort *resort, const struct eng_object *o
         eng_wide_order_assign_slots(eng_wide_order_of(object), resort->kind,
                                     resort->pieces, items, resort->next);
     }
-    eng_wide_order_list(eng_wide_order_of(object), object->mesh, positions, resort->kind,
-                        resort->sources, count, items, resort->next);
+    struct eng_wide_sources sources = {resort->kind, resort->sources, count};
+    eng_wide_order_list(eng_wide_order_of(object), object->mesh, positions, sources,
+                        items, resort->next);
     resort->sources += count;
 }
 

@@ -210,9 +210,8 @@ static enum eng_known sift_near(struct eng_worker *worker, uint32_t kind,
     if (reach == 0) {
         return ENG_KNOWN_BOXES;
     }
-    chunk->count =
-        work->join.kernels->sift_near(kind, &work->sieves[kind], worker->question->end,
-                                      reach, chunk->a, chunk->b, count);
+    chunk->count = work->join.kernels->sift_near(kind, &work->sieves[kind], reach,
+                                                 chunk->a, chunk->b, count);
     return known_of(count, chunk->count, NEXT_PAYS_BELOW);
 }
 
@@ -401,6 +400,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
         work->sieves[kind].prunes = kind != PCCD_EF && eng_near_prunes(worker->question);
+        work->sieves[kind].end = worker->question->end;
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         bool in_time = kind < PCCD_KIND_COUNT &&
