@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "report.h"
-#include "step_memory.h"
 #include "trees.h"
 
 static const struct eng_object *object_of_id(const struct bench_world *world, uint32_t id)

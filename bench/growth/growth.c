@@ -12,7 +12,6 @@
 #include "report.h"
 #include "resident.h"
 #include "step_memory.h"
-#include "world.h"
 
 #define LAYERS       8u
 #define HALF_DECADES 8   /* 10^3 .. 10^7 triangles */

@@ -2,7 +2,6 @@
 #include "model.h"
 
 #include <omp.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -10,7 +9,6 @@
 #include "deque.h"
 #include "parallel.h"
 #include "report.h"
-#include "wait.h"
 
 #define REPEATS  101
 #define LOOPS    1000

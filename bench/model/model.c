@@ -6,7 +6,6 @@
 
 #include "model.h"
 #include "report.h"
-#include "world.h"
 
 #define TURNS  9 /* of measured steps */
 #define PASSES 5 /* of recordings */

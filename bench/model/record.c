@@ -7,7 +7,6 @@
 
 #include "clock.h"
 #include "memory.h"
-#include "method.h"
 #include "narrow.h"
 #include "paper.h"
 #include "paper_work.h"

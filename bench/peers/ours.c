@@ -9,7 +9,6 @@
 #include "report.h"
 #include "wide.h"
 #include "wide_sweep.h"
-#include "world.h"
 
 struct ours {
     const struct bench_world *world;

@@ -4,7 +4,6 @@
  * our elementary tests, and the engine's own step stands beside it.
  */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "report.h"

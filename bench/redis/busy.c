@@ -1,5 +1,4 @@
 /* busy.c - ping while a step computes for a second. */
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "asker.h"

@@ -8,7 +8,6 @@
  * alone: they need threads of the daemon that have places of their own; they are judged
  * by what two processors take.
  */
-#include <stdio.h>
 #include <unistd.h>
 
 #include "asker.h"

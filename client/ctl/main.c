@@ -1,7 +1,6 @@
 /* main.c - pccdctl: ask a pccd daemon from the command line. */
 #include "ctl.h"
 #include "dispatch.h"
-#include "pccd.h"
 #include "rounding.h"
 
 static const struct ctl_command commands[] = {

@@ -6,7 +6,6 @@
 #include "coordinates.h"
 #include "joints.h"
 #include "rounding.h"
-#include "step.h"
 
 /* Rounding moves a position by an ulp, so that the second step is free nearly always; of
  * bodies that turn what is possible, so near the end of it, may take some more. The later

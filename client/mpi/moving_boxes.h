@@ -156,12 +156,6 @@ static inline void ranks_box_add(float box[6], const float other[6])
     }
 }
 
-static inline bool ranks_boxes_meet(const float a[6], const float b[6])
-{
-    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] && a[2] <= b[5] &&
-           b[2] <= a[5];
-}
-
 static inline void ranks_moving_box_begin(struct ranks_moving_box *moving)
 {
     ranks_box_begin(moving->box);

@@ -16,7 +16,6 @@
 #include "oracle.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "oracle_root.h"
 

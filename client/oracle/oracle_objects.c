@@ -2,7 +2,6 @@
 #include "oracle_near.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "kinds.h"

@@ -11,7 +11,6 @@
 #include "answer.h"
 #include "bodies.h"
 #include "clock.h"
-#include "memory.h"
 #include "method.h"
 #include "moving.h"
 #include "names.h"

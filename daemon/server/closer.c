@@ -1,7 +1,6 @@
 /* closer.c - closes descriptors on a thread of its own. */
 #include "watch.h"
 
-#include <errno.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>

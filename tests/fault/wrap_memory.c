@@ -1,6 +1,5 @@
 /* wrap_memory.c - allocations that fail on order. */
 #include <errno.h>
-#include <stdlib.h>
 
 #include "fault.h"
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
 #include "oracle_distance.h"
 #include "oracle_thick.h"
 

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
-
 #define FAILURES_MAX 10
 
 /* A chunk of one kind, and what thick.h says of it. */

@@ -4,7 +4,6 @@
 
 #include "motion.h"
 #include "fuzz_thick.h"
-#include "kinds.h"
 
 int fuzz_thick_points(const struct fuzz_thick_case *made, int side)
 {

@@ -15,7 +15,6 @@
 #include "fuzz_target.h"
 #include "log.h"
 #include "memory.h"
-#include "proto_limits.h"
 #include "raw.h"
 #include "reactor.h"
 #include "visitor.h"

@@ -4,7 +4,6 @@
  * decoded, encoded and decoded again must be the same.
  */
 #include <msgpack.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "codec.h"

@@ -1,5 +1,4 @@
 /* target_record.c - recordings of any content. */
-#include <stdlib.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL

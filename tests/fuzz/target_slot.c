@@ -1,6 +1,5 @@
 /* target_slot.c - any bytes in the memory that client and server share. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -6,7 +6,6 @@
 #include "daemon.h"
 #include "farm.h"
 #include "fixture.h"
-#include "messages.h"
 #include "must.h"
 #include "pccd.h"
 #include "raw.h"

@@ -9,7 +9,6 @@
 
 #include "crossing.h"
 #include "daemon.h"
-#include "messages.h"
 #include "must.h"
 #include "object_attributes.h"
 #include "raw.h"

@@ -13,7 +13,6 @@
 
 #include "daemon.h"
 #include "hog.h"
-#include "messages.h"
 #include "raw.h"
 
 #define END_MS      20000

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "fixture.h"
-#include "messages.h"
 #include "must.h"
 #include "raw.h"
 

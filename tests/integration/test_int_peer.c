@@ -11,12 +11,10 @@
 #include "codec.h"
 #include "daemon.h"
 #include "false_daemon.h"
-#include "memfd.h"
 #include "messages.h"
 #include "must.h"
 #include "pccd.h"
 #include "seqpacket.h"
-#include "shm.h"
 
 #define OTHER_USER 65534
 

@@ -11,7 +11,6 @@
 #include "daemon.h"
 #include "farm.h"
 #include "grid.h"
-#include "messages.h"
 #include "must.h"
 #include "raw.h"
 

@@ -1,8 +1,6 @@
 /* test_int_record_filter.c - what objects may meet, in recordings. */
 #include "cases.h"
 
-#include <unistd.h>
-
 #include "fixture.h"
 #include "must.h"
 #include "recording.h"

@@ -8,7 +8,6 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "farm.h"
-#include "messages.h"
 #include "must.h"
 #include "raw.h"
 

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "daemon.h"
-#include "messages.h"
 #include "raw.h"
 
 #ifdef PCCD_SANITIZED /* ten times as slow */

@@ -1,7 +1,6 @@
 /* near_judge.c - the laws of an answer about what is near. */
 #include "near_judge.h"
 
-#include "cases.h"
 #include "names.h"
 #include "oracle_near.h"
 

@@ -1,7 +1,6 @@
 /* sequences.c - random sequences one after the other. */
 #include "sequences.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
 

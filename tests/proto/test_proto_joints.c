@@ -5,7 +5,6 @@
 
 #include "coordinates.h"
 #include "joints.h"
-#include "shm.h"
 
 /* Half of a turn, as a double. */
 #define HALF 3.141592653589793

@@ -1,6 +1,5 @@
 /* kernel_digest.c - what the kernels of every instruction set write, in short. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "kernel.h"

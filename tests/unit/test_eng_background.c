@@ -5,7 +5,6 @@
 #include "background.h"
 #include "eng_blast.h"
 #include "paper.h"
-#include "trees.h"
 
 #define REGION    40u /* triangles; the whole has 2312 */
 #define STEPS_MAX 500u

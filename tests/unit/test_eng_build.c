@@ -9,7 +9,6 @@
 #include "kernel.h"
 #include "refit.h"
 #include "sort.h"
-#include "step.h"
 #include "trees.h"
 
 static struct eng_scene *new_scene(void)

@@ -1,6 +1,5 @@
 /* test_eng_effort.c - when a team pays for a step. */
 #include "eng_kit.h"
-#include "step.h"
 #include "step_memory.h"
 
 #define MS 1000000u

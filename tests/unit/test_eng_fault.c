@@ -3,7 +3,6 @@
 #include "paper.h"
 #include "stage_turning.h"
 #include "step.h"
-#include "step_memory.h"
 #include "trees.h"
 #include "wide_state.h"
 #include "world.h"

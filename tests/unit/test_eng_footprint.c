@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "memory.h"
-#include "step.h"
 #include "step_memory.h"
 #include "wide_cells.h"
 #include "world.h"

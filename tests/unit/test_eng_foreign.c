@@ -1,7 +1,6 @@
 /* test_eng_foreign.c - pairs whose first feature is foreign. */
 #include "eng_kit.h"
 #include "kinds.h"
-#include "step.h"
 #include "topology.h"
 
 #define TRIANGLES 900u

@@ -3,7 +3,6 @@
  */
 #include "eng_kit.h"
 #include "eng_way.h"
-#include "step.h"
 
 static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
                                             PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};

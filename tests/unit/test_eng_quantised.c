@@ -1,6 +1,5 @@
 /* test_eng_quantised.c - boxes in whole numbers of 16 bits. */
 #include "eng_boxes.h"
-#include "step.h"
 #include "wide_cells.h"
 #include "world.h"
 

@@ -4,7 +4,6 @@
  */
 #include "eng_kit.h"
 #include "refit.h"
-#include "step.h"
 #include "trees.h"
 
 /* Very different sizes, so that the tree over the objects is lopsided. */

@@ -1,7 +1,6 @@
 /* test_eng_replace.c - objects that change their topology between steps. */
 #include "eng_kit.h"
 #include "memory.h"
-#include "step.h"
 #include "trees.h"
 #include "world.h"
 

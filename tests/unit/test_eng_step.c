@@ -5,7 +5,6 @@
 
 #include "clock.h"
 #include "record_hash.h"
-#include "step.h"
 #include "trees.h"
 #include "world.h"
 

@@ -1,6 +1,5 @@
 /* test_eng_still.c - when what stands still is looked for. */
 #include "eng_kit.h"
-#include "step.h"
 #include "world.h"
 
 #define SIDE 40u

@@ -1,7 +1,6 @@
 /* test_eng_wide.c - the trees of the method wide. */
 #include "aabb.h"
 #include "eng_kit.h"
-#include "step.h"
 #include "wide.h"
 #include "wide_cells.h"
 #include "wide_sweep.h"

@@ -1,6 +1,5 @@
 /* test_srv_replies.c - answers that may have to be sent once more. */
 #include "cases.h"
-#include "messages.h"
 #include "replies.h"
 
 static struct proto_encoder encoder;

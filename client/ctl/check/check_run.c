@@ -8,7 +8,6 @@
 #include <time.h>
 
 #include "clock.h"
-#include "kinds.h"
 #include "printable.h"
 #include "statistics.h"
 #include "terminal.h"

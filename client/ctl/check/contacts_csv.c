@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
 #include "output.h"
 
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)

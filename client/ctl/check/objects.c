@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
-
 #define PAIRS_MIN 64u /* of the table at first; a power of 2 */
 
 /* ---- the object of a feature ------------------------------------------------------- */

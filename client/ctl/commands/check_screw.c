@@ -1,7 +1,6 @@
 /* check_screw.c - options of a check in which a body turns. */
 #include "check_screw.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* cmd_config.c - pccdctl config. */
 #include <jansson.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "columns.h"

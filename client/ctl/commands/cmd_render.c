@@ -11,9 +11,7 @@
 #include "ask_options.h"
 #include "ctl.h"
 #include "output.h"
-#include "printable.h"
 #include "render.h"
-#include "shown.h"
 #include "whole_file.h"
 
 #define RATE     25u

@@ -1,6 +1,5 @@
 /* cmd_trace.c - pccdctl trace. */
 #include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 

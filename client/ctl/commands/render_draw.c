@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
 #include "picture.h"
 #include "place.h"
 #include "printable.h"

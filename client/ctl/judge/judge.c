@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "columns.h"
-#include "kinds.h"
-#include "numbers.h"
 #include "output.h"
 #include "printable.h"
 #include "shown.h"

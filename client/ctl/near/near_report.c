@@ -10,7 +10,6 @@
 #include "names.h"
 #include "output.h"
 #include "printable.h"
-#include "shown.h"
 
 #define NO_DISTANCE 1e18 /* above any; the daemon says 2e18 when there is no record */
 

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "coordinates.h"
-#include "kinds.h"
 #include "output.h"
 #include "printable.h"
 #include "recorded_state.h"

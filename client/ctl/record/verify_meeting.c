@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "kinds.h"
 #include "oracle_distance.h"
 #include "oracle_thick.h"
 #include "registry.h"

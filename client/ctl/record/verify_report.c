@@ -8,7 +8,6 @@
 
 #include "array.h"
 #include "columns.h"
-#include "kinds.h"
 #include "output.h"
 #include "printable.h"
 

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
 #include "oracle_touching.h"
 #include "registry.h"
 

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kinds.h"
 #include "oracle_turning.h"
 #include "verify.h"
 

@@ -1,7 +1,5 @@
 /* robot_scene.c - takes a mechanism from a scene file that has joints. */
 #include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "robot.h"

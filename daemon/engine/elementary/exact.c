@@ -1,9 +1,7 @@
 /* exact.c - exact answers about one moment. */
 #include "exact.h"
 
-#include <assert.h>
 #include <limits.h>
-#include <math.h>
 
 /* Places in the scratch: vectors take three. */
 enum {

@@ -1,7 +1,6 @@
 /* exact_roots.c - roots in a span that satisfy conditions. */
 #include "exact_roots.h"
 
-#include <assert.h>
 #include <math.h>
 #include <string.h>
 

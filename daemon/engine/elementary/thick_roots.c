@@ -7,7 +7,6 @@
 #include "thick_exact.h"
 
 #include <assert.h>
-#include <math.h>
 
 #include "poly.h"
 

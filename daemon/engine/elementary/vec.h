@@ -34,14 +34,6 @@ static inline void eng_cross(double out[3], const double a[3], const double b[3]
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Set `out` to a + s b. */
-static inline void eng_madd(double out[3], const double a[3], double s, const double b[3])
-{
-    out[0] = a[0] + s * b[0];
-    out[1] = a[1] + s * b[1];
-    out[2] = a[2] + s * b[2];
-}
-
 /* Return the largest coordinate magnitude. */
 static inline double eng_size(const double a[3])
 {

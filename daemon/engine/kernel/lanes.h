@@ -669,7 +669,6 @@ typedef eng_d eng_n;
 typedef eng_dm eng_nm;
 #endif
 
-#define eng_n_all     ENG_N(all)
 #define eng_n_abs     ENG_N(abs)
 #define eng_n_less    ENG_N(less)
 #define eng_n_max     ENG_N(max)

@@ -19,7 +19,6 @@
 #include <assert.h>
 #include <string.h>
 
-#include "memory.h"
 #include "narrow.h"
 #include "solve.h"
 #include "thick.h"

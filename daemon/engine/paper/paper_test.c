@@ -1,5 +1,4 @@
 /* paper_test.c - the candidates of a chunk, as the narrow phase takes them. */
-#include <assert.h>
 #include <string.h>
 
 #include "narrow.h"

@@ -4,7 +4,6 @@
 #include <assert.h>
 
 #include "grow.h"
-#include "kernel.h"
 #include "paper_work.h"
 #include "refit.h"
 #include "wait.h"

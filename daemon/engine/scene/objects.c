@@ -1,6 +1,5 @@
 /* objects.c - objects come and go. */
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 #include "memory.h"

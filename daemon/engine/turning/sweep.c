@@ -1,7 +1,6 @@
 /* sweep.c - two trees against each other, over spans of time. */
 #include "sweep.h"
 
-#include <assert.h>
 #include <math.h>
 #include <string.h>
 

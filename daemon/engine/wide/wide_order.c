@@ -13,7 +13,6 @@
 #include "boxes.h"
 #include "kernel.h"
 #include "memory.h"
-#include "parallel.h"
 #include "topology.h"
 
 /* ---- the pieces of a mesh ---------------------------------------------------------- */

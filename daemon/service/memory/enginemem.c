@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "engine.h"
 #include "invariant.h"
 
 /* The user's account, with the limit that holds now, and what was refused so far. */

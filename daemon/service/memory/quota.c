@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
 #include "invariant.h"
 
 static const char *const kind_names[SRV_QUOTA_COUNT] = {

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "call.h"
-#include "host.h"
 #include "invariant.h"
 #include "log.h"
 #include "service.h"

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include "call.h"
-#include "engine.h"
 #include "invariant.h"
 #include "log.h"
 #include "now.h"

@@ -4,7 +4,6 @@
 
 #include "call.h"
 #include "dispatch.h"
-#include "engine.h"
 #include "host.h"
 #include "linger.h"
 #include "service.h"

@@ -1,7 +1,6 @@
 /* handlers_journal.c - scene.journal. */
 #include "call.h"
 #include "request.h"
-#include "service.h"
 #include "session.h"
 #include "shared.h"
 #include "srv_journal.h"

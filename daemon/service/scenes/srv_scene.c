@@ -6,10 +6,8 @@
  */
 #include "srv_scene.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-#include "engine.h"
 #include "enginemem.h"
 #include "invariant.h"
 #include "proto_limits.h"
