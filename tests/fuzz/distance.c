@@ -90,8 +90,8 @@ static void print_lanes(const struct fuzz_lanes_run *run, uint64_t seed)
     fflush(stdout);
 }
 
-/* Cases one at a time, and as many in chunks, by turns, until one has failed. */
-/* The first job tells of the families. */
+/* Cases one at a time, and as many in chunks, by turns, until one has failed. The first
+ * job tells of the families. */
 static int work(uint64_t seed, uint64_t count, long job)
 {
     static struct fuzz_distance_run run;
@@ -117,25 +117,16 @@ static int work(uint64_t seed, uint64_t count, long job)
 
 int main(int argc, char **argv)
 {
-    uint64_t seed = prng_seed();
-    uint64_t count = 100000;
-    long job_count = 1;
+    struct fuzz_jobs jobs = fuzz_jobs_begin();
+    bool is_right = true;
     for (int i = 1; i < argc; i++) {
-        if (i + 1 < argc && strcmp(argv[i], "--cases") == 0) {
-            count = (uint64_t)strtod(argv[++i], NULL);
-        } else if (i + 1 < argc && strcmp(argv[i], "--seed") == 0) {
-            seed = strtoull(argv[++i], NULL, 0);
-        } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
-            job_count = strtol(argv[++i], NULL, 10);
-        } else {
-            job_count = 0;
-        }
+        is_right &= fuzz_jobs_take(&jobs, argc, argv, &i);
     }
-    if (job_count < 1 || job_count > FUZZ_JOBS_MAX) {
+    if (!is_right || !fuzz_jobs_are_right(&jobs)) {
         fprintf(stderr, "usage: %s [--cases N] [--seed N] [--jobs 1..%d]\n", argv[0],
                 FUZZ_JOBS_MAX);
         return 2;
     }
     mp_set_memory_functions(take, take_again, leave);
-    return fuzz_jobs_run(work, seed, count, job_count);
+    return fuzz_jobs_run(work, &jobs);
 }

@@ -11,11 +11,23 @@
  * 1. */
 typedef int (*fuzz_work_fn)(uint64_t seed, uint64_t count, long job);
 
-/* Return whether a process that ended with this status of wait() counts as failed. Print
- * by which signal, if by one. */
-bool fuzz_jobs_failed(int status);
+/* The options that all searches have. */
+struct fuzz_jobs {
+    uint64_t seed;  /* --seed; else prng_seed() */
+    uint64_t count; /* --cases, or --queries; else 100 000 */
+    long jobs;      /* --jobs 1 .. FUZZ_JOBS_MAX, processes; else 1 */
+};
 
-/* Process `job` works on seed + job. Waits for all; 0 if nothing is wrong in any. */
-int fuzz_jobs_run(fuzz_work_fn work, uint64_t seed, uint64_t count, long jobs);
+struct fuzz_jobs fuzz_jobs_begin(void);
+
+/* Take argv[*i], and the value behind it, if it is one of these. */
+bool fuzz_jobs_take(struct fuzz_jobs *jobs, int argc, char **argv, int *i);
+
+/* Return whether the number of processes is one that may be. */
+bool fuzz_jobs_are_right(const struct fuzz_jobs *jobs);
+
+/* Process `job` works on seed + job. Waits for all, and prints by which signal one ended;
+ * 0 if nothing is wrong in any. */
+int fuzz_jobs_run(fuzz_work_fn work, const struct fuzz_jobs *jobs);
 
 #endif

@@ -380,32 +380,3 @@ double fuzz_run_early(const struct fuzz_run *run, double share)
     }
     return 0;
 }
-
-void fuzz_run_add(struct fuzz_run *total, const struct fuzz_run *run)
-{
-    total->failures += run->failures;
-    total->queries += run->queries;
-    total->hits += run->hits;
-    total->filtered += run->filtered;
-    total->survivors += run->survivors;
-    total->sieved += run->sieved;
-    total->sieve_kept += run->sieve_kept;
-    total->exact_queries += run->exact_queries;
-    total->chunks += run->chunks;
-    total->sets = total->sets > run->sets ? total->sets : run->sets;
-    total->cpu_s += run->cpu_s;
-    for (int i = 0; i < FUZZ_FAMILIES; i++) {
-        total->family_queries[i] += run->family_queries[i];
-        total->family_hits[i] += run->family_hits[i];
-    }
-    total->tally.ranges += run->tally.ranges;
-    total->tally.exact += run->tally.exact;
-    total->tally.place_max = fmax(total->tally.place_max, run->tally.place_max);
-    total->tally.line_place_max =
-        fmax(total->tally.line_place_max, run->tally.line_place_max);
-    total->bracket_max = fmax(total->bracket_max, run->bracket_max);
-    total->early_count += run->early_count;
-    for (uint32_t i = 0; i < FUZZ_BINS; i++) {
-        total->early_bins[i] += run->early_bins[i];
-    }
-}

@@ -47,9 +47,6 @@ void fuzz_run_more(struct fuzz_run *run, uint64_t count);
 void fuzz_run_query(struct fuzz_run *run, const struct eng_query *query, double tolerance,
                     double t_end);
 
-/* Add the counters of another run. */
-void fuzz_run_add(struct fuzz_run *total, const struct fuzz_run *run);
-
 /* The time that `share` of the contacts are at most early by. */
 double fuzz_run_early(const struct fuzz_run *run, double share);
 

@@ -149,28 +149,21 @@ static int tell_times(uint64_t seed, uint64_t each)
 
 int main(int argc, char **argv)
 {
-    uint64_t seed = prng_seed();
-    uint64_t count = 100000;
-    long job_count = 1;
+    struct fuzz_jobs jobs = fuzz_jobs_begin();
+    bool is_right = true;
     bool times = false;
     for (int i = 1; i < argc; i++) {
-        if (i + 1 < argc && strcmp(argv[i], "--cases") == 0) {
-            count = (uint64_t)strtod(argv[++i], NULL);
-        } else if (i + 1 < argc && strcmp(argv[i], "--seed") == 0) {
-            seed = strtoull(argv[++i], NULL, 0);
-        } else if (i + 1 < argc && strcmp(argv[i], "--oracle") == 0) {
+        if (i + 1 < argc && strcmp(argv[i], "--oracle") == 0) {
             oracle_each = strtoull(argv[++i], NULL, 0);
         } else if (strcmp(argv[i], "--times") == 0) {
             times = true;
         } else if (strcmp(argv[i], "--short") == 0) {
             least_kind = PCCD_VE;
-        } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
-            job_count = strtol(argv[++i], NULL, 10);
         } else {
-            job_count = 0;
+            is_right &= fuzz_jobs_take(&jobs, argc, argv, &i);
         }
     }
-    if (job_count < 1 || job_count > FUZZ_JOBS_MAX || oracle_each < 1) {
+    if (!is_right || !fuzz_jobs_are_right(&jobs) || oracle_each < 1) {
         fprintf(
             stderr,
             "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH] [--short] "
@@ -178,6 +171,6 @@ int main(int argc, char **argv)
             argv[0], FUZZ_JOBS_MAX);
         return 2;
     }
-    return times ? tell_times(seed, count / FUZZ_THICK_FAMILIES)
-                 : fuzz_jobs_run(work, seed, count, job_count);
+    return times ? tell_times(jobs.seed, jobs.count / FUZZ_THICK_FAMILIES)
+                 : fuzz_jobs_run(work, &jobs);
 }
