@@ -12,6 +12,12 @@
 #include "rpc.h"
 #include "step.h"
 
+/* The events of a shared scene that the user was not told yet. */
+struct cli_shared {
+    uint32_t scene; /* 0: none here */
+    struct pccd_scene_news news;
+};
+
 #define ROOM_MIN 64u
 
 /* The entry of a scene, or with 0 one that is free; NULL: there is none. */

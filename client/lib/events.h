@@ -4,12 +4,6 @@
 
 #include "client.h"
 
-/* The events of a shared scene that the user was not told yet. */
-struct cli_shared {
-    uint32_t scene; /* 0: none here */
-    struct pccd_scene_news news;
-};
-
 /* Keep what a scene.step says until the user asks for it. */
 void cli_shared_take_step(struct pccd_client *client,
                           const struct proto_envelope *envelope);

@@ -9,6 +9,13 @@
 
 #include "rpc.h"
 
+/* An earlier result region, in which the user still reads. */
+struct cli_retired {
+    struct cli_retired *next;
+    struct proto_memory result;
+    uint64_t page_end; /* goes when all pages before this serial are released */
+};
+
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
 {
     /* A page that is released may be another one's entry already. */

@@ -10,6 +10,21 @@
 #include "attach.h"
 #include "rpc.h"
 
+/* A scene's journal. */
+struct cli_journal {
+    struct cli_journal *next;
+    uint32_t scene;
+    bool has_begun;   /* at the daemon */
+    bool is_due;      /* there is more, or there may be */
+    bool is_asked;    /* a page is on its way */
+    uint64_t cursor;  /* of what has come */
+    uint8_t *entries; /* that have come and are not whole yet */
+    size_t bytes;
+    size_t room;
+    uint64_t number; /* of the client's last step in the scene, to the scene and */
+    uint64_t step;   /* to the client */
+};
+
 /* Kept by the daemon until it is fetched, which each answered step is cause for. */
 #define JOURNAL_BYTES (128ull << 20)
 

@@ -49,13 +49,6 @@ struct cli_page {
     bool released;
 };
 
-/* An earlier result region, in which the user still reads. */
-struct cli_retired {
-    struct cli_retired *next;
-    struct proto_memory result;
-    uint64_t page_end; /* goes when all pages before this serial are released */
-};
-
 struct cli_ring {
     struct proto_memory upload; /* base NULL: not attached */
     struct proto_memory result;

@@ -13,6 +13,11 @@
 #include "render.h"
 #include "shown.h"
 
+struct failing_step {
+    struct frames_recording recording;
+    uint32_t number;
+};
+
 #define STEPS_DEFAULT 24u
 #define STEPS_MAX     256u /* each has a file that is open */
 #define RATE          2    /* steps a second: people look at them */

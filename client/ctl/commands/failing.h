@@ -26,11 +26,6 @@ struct failing_options {
  * --max-size. */
 extern const struct option_table failing_table;
 
-struct failing_step {
-    struct frames_recording recording;
-    uint32_t number;
-};
-
 /* Before, {0} but for the options. */
 struct failing {
     const struct failing_options *options;

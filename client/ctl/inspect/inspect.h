@@ -95,37 +95,6 @@ struct inspect_contact {
 };
 #define INSPECT_KIND_SHIFT 6u
 
-/* 48 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
-struct inspect_line {
-    float ends[2][3]; /* relative to the page's origin, in its unit */
-    float distance;   /* d_lo */
-    uint32_t kind;    /* enum pccd_kind, enum pccd_near_kind */
-    uint32_t feature_a, feature_b;
-    uint16_t object_a, object_b; /* as of a contact */
-    float along;                 /* of a crossing: where along its edge; 0 .. 1 */
-};
-
-/* 20 bytes. */
-struct inspect_event {
-    uint32_t begin_ns, duration_ns; /* from the step's begin */
-    uint32_t kind_thread;           /* enum pccd_trace_kind | thread << 8 */
-    uint32_t a, b;
-};
-
-/* Place where an object was last, so that what stands still is written once. */
-struct inspect_place {
-    uint32_t scene, object;
-    uint64_t hash[2]; /* XXH3-128 of the section */
-    uint32_t blob;
-    size_t offset;
-};
-
-/* A mesh that is in the file. */
-struct inspect_mesh {
-    uint64_t hash[2]; /* XXH3-128 of those of its triangles, rods, points and radii */
-    uint32_t vertex_count, triangle_count;
-};
-
 struct inspect {
     struct inspect_settings settings;
     struct page_file *page;         /* the caller's, begun */

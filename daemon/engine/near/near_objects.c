@@ -10,6 +10,14 @@
 #include "names.h"
 #include "thickness.h"
 
+/* An object, or some leaves of it, for any thread. */
+struct eng_near_share {
+    double low; /* NEAREST: the least x of its bounds */
+    uint32_t object;
+    uint32_t first; /* DEPTH: leaves, for the vertices that they own; count 0: .. */
+    uint32_t count; /* .. for crossings with objects behind it */
+};
+
 /* Pairs of objects that are kept. */
 #define CAPACITY_LEAST 16u
 #define CAPACITY_MOST  (1u << 22) /* 80 MiB */

@@ -13,14 +13,6 @@ struct eng_open_mesh_error {
     struct eng_open_edge edge;
 };
 
-/* An object, or some leaves of it, for any thread. */
-struct eng_near_share {
-    double low; /* NEAREST: the least x of its bounds */
-    uint32_t object;
-    uint32_t first; /* DEPTH: leaves, for the vertices that they own; count 0: .. */
-    uint32_t count; /* .. for crossings with objects behind it */
-};
-
 /* Which features of two objects were the nearest last time, by their objects. They are
  * looked at first, so that all that is farther is left out from the beginning: what is
  * nearest does not depend on it. */

@@ -20,17 +20,6 @@
 
 /* ---- pairs ------------------------------------------------------------------------- */
 
-/* A hash table of pairs of numbers, each with a value, in which (a, b) and (b, a) are the
- * same pair. Changed by one thread at a time, while nobody reads; reads: [any].
- *
- * All zero is the empty set. Places are tried one after the other from the one that the
- * hash names on; a place that is taken away is filled by those behind it, so that a
- * search ends at the first empty one. */
-struct eng_pairset_slot {
-    uint64_t key; /* lesser << 32 | greater, or ENG_PAIRSET_EMPTY */
-    double value;
-};
-
 struct eng_pairset {
     struct eng_pairset_slot *slots; /* [capacity] */
     uint64_t factor;   /* of the hash, odd: who chooses the pairs does not know it */

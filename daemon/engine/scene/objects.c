@@ -7,6 +7,12 @@
 #include "topology.h"
 #include "world.h"
 
+/* An object as it was before a replacement that is not settled. */
+struct eng_replaced {
+    uint32_t object;
+    struct eng_object before;
+};
+
 static bool settings_are_valid(const struct eng_scene_settings *settings)
 {
     return settings->rebuild_ratio >= 0 && settings->rebuild_ratio <= 1 &&

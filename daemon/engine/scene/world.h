@@ -207,12 +207,6 @@ struct eng_framing {
     struct eng_box_frame_item *items; /* [object_capacity] scratch to choose them */
 };
 
-/* An object as it was before a replacement that is not settled. */
-struct eng_replaced {
-    uint32_t object;
-    struct eng_object before;
-};
-
 /* A part of the last step in the place of the whole one's (stage.h). */
 struct eng_part {
     double (*x[2])[3];

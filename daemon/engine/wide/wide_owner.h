@@ -25,16 +25,6 @@
 
 #include "wide.h"
 
-struct eng_wide_owner {
-    uint64_t groups; /* of all objects below, together; nobody: 0 */
-    uint64_t masks;
-    uint32_t first; /* of the objects in their order in the trees; nobody: 1 .. 0 */
-    uint32_t last;
-    uint32_t object;  /* the only one; of several: ENG_NO_OBJECT */
-    bool has_self;    /* an object below may meet itself */
-    bool has_crowded; /* something below is crowded in its object (wide_crowded.h) */
-};
-
 struct eng_wide_owners {
     const struct eng_wide *wide;   /* the trees that they are made for, .. */
     uint32_t assembled;            /* .. as they were then */
