@@ -165,7 +165,7 @@ static float (*start_of(const struct snapshot_object *object, double t))[3]
     return x;
 }
 
-/* What an object's vertices have, and the accessor of their motion. */
+/* The attributes of an object's vertices, and the accessor of their motion. */
 struct vertices {
     json_t *attributes;
     int motion;

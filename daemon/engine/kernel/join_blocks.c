@@ -747,8 +747,8 @@ ENG_INLINE struct until until_as_rules_ask(const struct eng_join *job)
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
  * where either is from sides->a and sides->b on, and which they are in their runs.
  * Returns how many. Of a run with itself, `self`, those of two blocks alone, and the
- * other ones to sides->selves. Nor those that stand, or are foreign, where all of the block
- * is so, too. */
+ * other ones to sides->selves. Nor those that stand, or are foreign, where all of the
+ * block is so, too. */
 ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *round,
                                struct sides *sides, uint32_t pairs, bool self,
                                enum rule rule, struct until until)

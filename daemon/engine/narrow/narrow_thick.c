@@ -201,7 +201,8 @@ void eng_narrow_split(struct eng_worker *worker, const struct eng_pairs *pairs,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-/* Return whether the distance of a pair at the end that is asked for is at most the sum. */
+/* Return whether the distance of a pair at the end that is asked for is at most the
+ * sum. */
 static bool is_within(struct eng_worker *worker, const struct eng_pairs *pairs,
                       uint32_t number, const double radius[3])
 {

@@ -87,7 +87,7 @@ void eng_wide_order_assign_slots(const struct eng_wide_order *order, enum pccd_t
                                  const struct eng_split_item *pieces,
                                  struct eng_split_item *items, uint32_t *next);
 
-/* Some edges of a mesh, or leaves for the two other trees, that own features of a tree. */
+/* Edges of a mesh, or leaves for the two other trees, that own features of a tree. */
 struct eng_wide_sources {
     enum pccd_tree kind;
     uint32_t first;
