@@ -354,9 +354,10 @@ static int make_step(struct check *check, struct judged *judged, struct ctl_erro
     }
     status = show(check, step, error);
     if (status == PCCD_OK) {
-        status = first_find(
-            check->world, &check->first, &check->frames[(check->number + 1) % 2],
-            &check->frames[check->number % 2], check->run.objects, &step->first, error);
+        const struct ctl_mesh *const frames[2] = {
+            &check->frames[(check->number + 1) % 2], &check->frames[check->number % 2]};
+        status = first_find(check->world, &check->first, frames, check->run.objects,
+                            &step->first, error);
     }
     judged_set(judged, check->run.told.names);
     return status == PCCD_OK && check->is_judged

@@ -64,16 +64,16 @@ static void add_vertex(const struct ctl_mesh *mesh, uint32_t vertex, double *x)
 }
 
 /* Gather where the vertices of both features are at both ends of the step. */
-static int gather_ends(const struct candidate *candidate, const struct ctl_mesh *before,
-                       const struct ctl_mesh *after, struct place_feature ends[2],
-                       struct ctl_error *error)
+static int gather_ends(const struct candidate *candidate,
+                       const struct ctl_mesh *const frames[2],
+                       struct place_feature ends[2], struct ctl_error *error)
 {
     double x[2][2][3][COORDINATES] = {{{{0}}}};
     const uint32_t *points = common_kinds[candidate->contact.kind].points;
     for (uint32_t side = 0; side < 2; side++) {
         for (uint32_t i = 0; i < points[side]; i++) {
-            add_vertex(before, candidate->corners[side][i], x[side][0][i]);
-            add_vertex(after, candidate->corners[side][i], x[side][1][i]);
+            add_vertex(frames[0], candidate->corners[side][i], x[side][0][i]);
+            add_vertex(frames[1], candidate->corners[side][i], x[side][1][i]);
         }
     }
     if (MPI_Allreduce(MPI_IN_PLACE, x, sizeof x / sizeof(double), MPI_DOUBLE, MPI_SUM,
@@ -89,9 +89,8 @@ static int gather_ends(const struct candidate *candidate, const struct ctl_mesh 
 }
 
 int first_find(struct pccd_mpi *world, const struct pccd_contact *mine,
-               const struct ctl_mesh *before, const struct ctl_mesh *after,
-               const struct objects *objects, struct report_first *first,
-               struct ctl_error *error)
+               const struct ctl_mesh *const frames[2], const struct objects *objects,
+               struct report_first *first, struct ctl_error *error)
 {
     struct candidate own = {.contact = *mine}, earliest;
     struct place_feature ends[2];
@@ -111,7 +110,7 @@ int first_find(struct pccd_mpi *world, const struct pccd_contact *mine,
     if (status != PCCD_OK || earliest.contact.toi > 1) {
         return status;
     }
-    status = gather_ends(&earliest, before, after, ends, error);
+    status = gather_ends(&earliest, frames, ends, error);
     if (status == PCCD_OK) {
         check_run_set_first(objects, &earliest.contact, ends, first);
     }

@@ -7,12 +7,11 @@
 
 /* Collective. Say where the earliest contact is of those that ranks bring: `mine`, whose
  * toi is above 1 if this rank has none. It is between features of one object, which goes
- * from the positions that this rank has in `before` to those in `after`. On the root:
+ * from the positions that this rank has in frames[0] to those in frames[1]. On the root:
  * with the parts of `objects`, unless that is NULL. `first` stays as it is where no rank
  * has one. The same status on every rank. Errors: those of pccd_mpi_feature, E_SYSTEM. */
 int first_find(struct pccd_mpi *world, const struct pccd_contact *mine,
-               const struct ctl_mesh *before, const struct ctl_mesh *after,
-               const struct objects *objects, struct report_first *first,
-               struct ctl_error *error);
+               const struct ctl_mesh *const frames[2], const struct objects *objects,
+               struct report_first *first, struct ctl_error *error);
 
 #endif
