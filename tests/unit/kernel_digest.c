@@ -225,8 +225,9 @@ static void run_quantised(const struct eng_kernels *kernels, struct ground *grou
     for (uint32_t first = 0; first < BLOCKS; first += BLOCKS / 4) {
         bool fits = kernels->quantised_blocks(
             ground->blocks + first, ground->around + first, BLOCKS / 4, &quantising,
-            ground->quantised + first, ground->quantised_around + first,
-            &ground->farthest);
+            &(struct eng_quantised_to){ground->quantised + first,
+                                       ground->quantised_around + first,
+                                       &ground->farthest});
         all = digest(all, &fits, sizeof fits);
     }
     all = digest(all, ground->quantised, sizeof ground->quantised);

@@ -33,9 +33,9 @@ static void fill(struct fixture *f, struct prng *random)
     fill_boxes(f->boxes, f->corner, random);
     scalar->box_fold(f->boxes, BLOCKS, false, f->blocks, f->around);
     f->farthest = 0;
-    assert_true(scalar->quantised_blocks(f->blocks, f->around, BLOCKS, &quantising,
-                                         f->quantised, f->quantised_around,
-                                         &f->farthest));
+    assert_true(scalar->quantised_blocks(
+        f->blocks, f->around, BLOCKS, &quantising,
+        &(struct eng_quantised_to){f->quantised, f->quantised_around, &f->farthest}));
 }
 
 /* ---- the numbers ------------------------------------------------------------------- */
@@ -102,8 +102,9 @@ CASE(quantised__numbers_are_no_less_than_the_bounds)
             }
         }
         kernels->box_fold(boxes, 1, false, &block, &around);
-        assert_true(kernels->quantised_blocks(&block, &around, 1, &quantising, &quantised,
-                                              &quantised_around, &farthest));
+        assert_true(kernels->quantised_blocks(
+            &block, &around, 1, &quantising,
+            &(struct eng_quantised_to){&quantised, &quantised_around, &farthest}));
         check_sums(&block, &quantised, cell, 2.125);
         for (uint32_t i = 0; i < 6; i++) {
             int32_t above = INT16_MIN;
@@ -140,22 +141,22 @@ CASE(quantised__says_what_is_beyond_its_reach)
             kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
             *bound = ENG_QUANTISED_REACH + 1;
             kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
-            fits =
-                kernels->quantised_blocks(f.blocks, f.around, BLOCKS, &quantising,
-                                          f.quantised, f.quantised_around, &f.farthest);
+            fits = kernels->quantised_blocks(
+                f.blocks, f.around, BLOCKS, &quantising,
+                &(struct eng_quantised_to){f.quantised, f.quantised_around, &f.farthest});
             assert_false(fits);
             *bound = 0x1p60f;
             kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
-            fits =
-                kernels->quantised_blocks(f.blocks, f.around, BLOCKS, &quantising,
-                                          f.quantised, f.quantised_around, &f.farthest);
+            fits = kernels->quantised_blocks(
+                f.blocks, f.around, BLOCKS, &quantising,
+                &(struct eng_quantised_to){f.quantised, f.quantised_around, &f.farthest});
             assert_false(fits);
             *bound = ENG_QUANTISED_REACH - 2;
             set_nowhere(&f.boxes[18]);
             kernels->box_fold(f.boxes, BLOCKS, false, f.blocks, f.around);
-            fits =
-                kernels->quantised_blocks(f.blocks, f.around, BLOCKS, &quantising,
-                                          f.quantised, f.quantised_around, &f.farthest);
+            fits = kernels->quantised_blocks(
+                f.blocks, f.around, BLOCKS, &quantising,
+                &(struct eng_quantised_to){f.quantised, f.quantised_around, &f.farthest});
             assert_true(fits);
             assert_int_equal(below_of(&f.quantised[1], i % 2, i / 4, 2), INT16_MIN);
             assert_int_equal(above_of(&f.quantised[1], i % 2, i / 4, 2), INT16_MIN);
@@ -225,9 +226,9 @@ static void fill_by_cells(struct fixture *f, struct prng *random, double cells)
         f->corner[i / 2 % 3][i / 6] = i;
     }
     scalar->box_fold(f->boxes, BLOCKS, false, f->blocks, f->around);
-    assert_true(scalar->quantised_blocks(f->blocks, f->around, BLOCKS, &quantising,
-                                         f->quantised, f->quantised_around,
-                                         &f->farthest));
+    assert_true(scalar->quantised_blocks(
+        f->blocks, f->around, BLOCKS, &quantising,
+        &(struct eng_quantised_to){f->quantised, f->quantised_around, &f->farthest}));
 }
 
 /* If a pair that meets at some time were left out because its numbers are off by a cell,
@@ -397,9 +398,9 @@ CASE(quantised__boxes_as_they_begin_reach_the_near_time)
         }
         set_approaching(&f, (int)(i / 2 % 3), do_meet ? 5 : 20, way);
         f.farthest = 0;
-        assert_true(kernels->quantised_blocks(f.blocks, f.around, BLOCKS, &quantising,
-                                              f.quantised, f.quantised_around,
-                                              &f.farthest));
+        assert_true(kernels->quantised_blocks(
+            f.blocks, f.around, BLOCKS, &quantising,
+            &(struct eng_quantised_to){f.quantised, f.quantised_around, &f.farthest}));
         assert_int_equal(f.farthest, way);
         join(kernels, &f, true, true, 1, &job, &found);
         assert_int_equal(found.count, do_meet);

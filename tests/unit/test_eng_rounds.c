@@ -37,9 +37,9 @@ static void fill(struct fixture *f, struct prng *random)
     }
     scalar->box_fold(f->boxes, ALL_BLOCKS, false, f->blocks, f->around);
     f->farthest = 0;
-    assert_true(scalar->quantised_blocks(f->blocks, f->around, ALL_BLOCKS, &quantiseding,
-                                         f->quantised, f->quantised_around,
-                                         &f->farthest));
+    assert_true(scalar->quantised_blocks(
+        f->blocks, f->around, ALL_BLOCKS, &quantiseding,
+        &(struct eng_quantised_to){f->quantised, f->quantised_around, &f->farthest}));
     memcpy(f->others, f->blocks, sizeof f->others);
     for (uint32_t i = 0; i < ALL_BLOCKS; i++) { /* all, none or some */
         uint32_t some = prng_u32(random, 0x10000) & prng_u32(random, 0x10000);

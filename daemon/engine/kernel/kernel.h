@@ -139,6 +139,13 @@ struct eng_advance_limits {
 
 #define ENG_ADVANCE_MAX 1024u
 
+/* Where blocks in whole numbers go, the boxes around them, and how far one grows. */
+struct eng_quantised_to {
+    struct eng_quantised_block *blocks;
+    struct eng_quantised_box *around;
+    uint32_t *farthest;
+};
+
 /* ---- the kernels ----------------------------------------------------------------- */
 
 struct eng_kernels {
@@ -176,15 +183,13 @@ struct eng_kernels {
                       uint32_t block_count, bool swept, struct eng_wide_block *blocks,
                       struct eng_extents *around);
 
-    /* Make blocks, and the boxes around them, in whole numbers; *farthest is raised to
-     * the most that one grows by from t = 0 to t = 1. False: one of them is beyond what
+    /* Make blocks, and the boxes around them, in whole numbers; *to->farthest is raised
+     * to the most that one grows by from t = 0 to t = 1. False: one of them is beyond what
      * the numbers hold; then none may be used. */
     bool (*quantised_blocks)(const struct eng_wide_block *blocks,
                              const struct eng_extents *around, uint32_t count,
                              const struct eng_quantising *quantising,
-                             struct eng_quantised_block *quantised,
-                             struct eng_quantised_box *quantised_around,
-                             uint32_t *farthest);
+                             const struct eng_quantised_to *to);
     /* Make the same numbers of boxes one by one. */
     void (*quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
                             const struct eng_quantising *quantising,

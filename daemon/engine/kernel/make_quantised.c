@@ -84,18 +84,17 @@ ENG_INLINE eng_float4 quantised_box(const struct eng_extents *box,
 bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
                                   const struct eng_extents *around, uint32_t count,
                                   const struct eng_quantising *quantising,
-                                  struct eng_quantised_block *quantised,
-                                  struct eng_quantised_box *quantised_around,
-                                  uint32_t *farthest)
+                                  const struct eng_quantised_to *to)
 {
     eng_float4 most = {0};
     eng_fi grown = {0};
     for (uint32_t i = 0; i < count; i++) {
-        grown = quantised_block(&blocks[i], quantising, grown, &quantised[i]);
-        most = quantised_box(&around[i], quantising, most, &quantised_around[i]);
+        grown = quantised_block(&blocks[i], quantising, grown, &to->blocks[i]);
+        most = quantised_box(&around[i], quantising, most, &to->around[i]);
     }
     for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
-        *farthest = (uint32_t)grown[lane] > *farthest ? (uint32_t)grown[lane] : *farthest;
+        uint32_t own = (uint32_t)grown[lane];
+        *to->farthest = own > *to->farthest ? own : *to->farthest;
     }
     return most[0] <= ENG_QUANTISED_REACH && most[1] <= ENG_QUANTISED_REACH &&
            most[2] <= ENG_QUANTISED_REACH;

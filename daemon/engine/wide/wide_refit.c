@@ -154,8 +154,9 @@ static void quantised_points(struct eng_wide *wide, const struct eng_scene *scen
         refit_points(wide, scene, i * ENG_WIDE, (i + part) * ENG_WIDE, points);
         wide->kernels->box_fold(points, part, false, floats, around);
         bool fits = wide->kernels->quantised_blocks(
-            floats, around, part, &wide->quantising, tree->quantised + i,
-            tree->quantised_boxes + i, &farthest);
+            floats, around, part, &wide->quantising,
+            &(struct eng_quantised_to){tree->quantised + i, tree->quantised_boxes + i,
+                                       &farthest});
         assert(fits); /* eng_wide_quantised_choose */
         (void)fits;
         wide->kernels->quantised_boxes(points, part * ENG_WIDE, &wide->quantising,
