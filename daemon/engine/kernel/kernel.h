@@ -184,8 +184,8 @@ struct eng_kernels {
                       struct eng_extents *around);
 
     /* Make blocks, and the boxes around them, in whole numbers; *to->farthest is raised
-     * to the most that one grows by from t = 0 to t = 1. False: one of them is beyond what
-     * the numbers hold; then none may be used. */
+     * to the most that one grows by from t = 0 to t = 1. False: one of them is beyond
+     * what the numbers hold; then none may be used. */
     bool (*quantised_blocks)(const struct eng_wide_block *blocks,
                              const struct eng_extents *around, uint32_t count,
                              const struct eng_quantising *quantising,
