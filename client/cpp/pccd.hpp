@@ -843,8 +843,8 @@ public:
         for (const positions *x : {&begin, &end}) {
             if (!x->is_whole() || x->count() != vertex_count_ ||
                 x->format() != PCCD_FORMAT_F64) {
-                return error(PCCD_E_INVAL, "rays begin and end at doubles, three for each "
-                                           "end of each");
+                return error(PCCD_E_INVAL, "cast: begin and end are three doubles for each "
+                                           "ray, six for each capsule");
             }
         }
         std::vector<pccd_ray_hit> hits(count_);

@@ -63,10 +63,10 @@ struct pccd_rays_settings {
 
 /* The first thing that a ray meets. */
 struct pccd_ray_hit {
-    double t;        /* the part of its way that it has gone then, 0 .. 1, at most
+    double t;          /* the part of its way that it has gone then, 0 .. 1, at most
                         settings.tolerance / pieces before they meet; INFINITY: it meets
                         nothing, and all else is 0 */
-    double point[3]; /* of the ray: where it is, the centre of a sphere, the point of a
+    double point[3];   /* of the ray: where it is, the centre of a sphere, the point of a
                         capsule's edge. What it meets is the sum of the radii and the
                         step's separation away, against the normal */
     double weights[3]; /* of the feature's vertices, whose sum is 1: where on it */
@@ -89,9 +89,9 @@ int pccd_rays_begin(struct pccd_client *client, uint32_t scene,
  * NULL; mode, approach, hold and joints are not for a cast (E_INVAL). Where several
  * things are met at one t, the hit is the first record of them.
  * Errors: those of pccd_mesh_put, pccd_scene_add, pccd_object_set, pccd_step and
- * pccd_fetch; E_NOTFINITE: a coordinate is not, or beyond 1e18; E_LIMIT: the answer was
- * cut short by its deadline, or has more records than the daemon keeps. On failure hits
- * are written in part. */
+ * pccd_fetch; E_NOTFINITE: a coordinate is not finite, or beyond 1e18; E_LIMIT: the
+ * answer was cut short by its deadline, or has more records than the daemon keeps. On
+ * failure hits are written in part, or not at all. */
 int pccd_rays_cast(struct pccd_client *client, struct pccd_rays *rays,
                    const double *begin, const double *end,
                    const struct pccd_step_settings *settings, struct pccd_ray_hit *hits);

@@ -21,7 +21,8 @@ struct pccd_rays {
     uint64_t group, mask;
     double *radii;   /* [count], or NULL; kept until they are registered */
     uint32_t mesh;   /* 0: not yet registered */
-    uint32_t object; /* 0: not yet added, or not yet set up */
+    uint32_t object; /* 0: not yet added */
+    bool is_set;     /* the object has its group, its mask, and does not meet itself */
 };
 
 /* ---- what they are ----------------------------------------------------------------- */
@@ -29,19 +30,25 @@ struct pccd_rays {
 static int check(struct pccd_client *client, const struct pccd_rays_settings *settings,
                  uint32_t pieces)
 {
-    if (settings->count == 0 || settings->ends > 2) {
-        return cli_fail(client, PCCD_E_INVAL, "rays: %" PRIu32 " of %" PRIu32 " ends",
-                        settings->count, settings->ends);
+    if (settings->count == 0) {
+        return cli_fail(client, PCCD_E_INVAL, "rays: count is 0");
+    }
+    if (settings->ends > 2) {
+        return cli_fail(client, PCCD_E_INVAL, "rays: ends is %" PRIu32 ", not 1 or 2",
+                        settings->ends);
     }
     if ((uint64_t)settings->count * pieces > UINT32_MAX / 2) {
-        return cli_fail(client, PCCD_E_LIMIT, "rays: %" PRIu32 " in %" PRIu32 " pieces",
+        return cli_fail(client, PCCD_E_LIMIT,
+                        "rays: %" PRIu32 " in %" PRIu32
+                        " pieces each are more than a mesh may have",
                         settings->count, pieces);
     }
     for (uint32_t i = 0; settings->radii != NULL && i < settings->count; i++) {
         double radius = settings->radii[i];
         if (!(radius >= 0 && radius <= PROTO_COORDINATE_MAX)) {
             return cli_fail(client, radius > 0 ? PCCD_E_LIMIT : PCCD_E_INVAL,
-                            "rays: the radius of ray %" PRIu32 " is %g", i, radius);
+                            "rays: the radius of ray %" PRIu32 " is %g, not 0 to 1e18", i,
+                            radius);
         }
     }
     return 0;
@@ -181,17 +188,14 @@ static int enter(struct pccd_client *client, struct pccd_rays *rays, const doubl
                                                   PCCD_OBJECT_MASK,
                                           .group = rays->group,
                                           .mask = rays->mask};
-    uint32_t added = 0;
     int status = rays->mesh != 0 ? 0 : put_mesh(client, rays, begin, end);
 
-    if (status == 0) {
-        status = pccd_scene_add(client, rays->scene, rays->mesh, &added);
+    if (status == 0 && rays->object == 0) {
+        status = pccd_scene_add(client, rays->scene, rays->mesh, &rays->object);
     }
     if (status == 0) {
-        status = pccd_object_set(client, rays->scene, added, &object);
-        if (status == 0) {
-            rays->object = added;
-        }
+        status = pccd_object_set(client, rays->scene, rays->object, &object);
+        rays->is_set = status == 0;
     }
     return status;
 }
@@ -321,7 +325,7 @@ int pccd_rays_cast(struct pccd_client *client, struct pccd_rays *rays,
 
     CLI_ENTER_OR_RETURN(client);
     int status = check_cast(client, rays, begin, end, settings, hits);
-    if (status == 0 && rays->object == 0) {
+    if (status == 0 && !rays->is_set) {
         status = enter(client, rays, begin, end);
     }
     if (status != 0) {

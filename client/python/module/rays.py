@@ -56,7 +56,7 @@ class Rays:
             raise refusal(Status.E_INVAL, f"{count} rays in {pieces} pieces")
         self._client, self._count = client, count
         self._rods = None if rods is None else pack_indices("rods", rods, 2)
-        if self._rods is not None and self._rods.max() >= count:
+        if self._rods is not None and (self._rods >= count).any():
             raise refusal(Status.E_INDEX, f"rods have vertex {self._rods.max()} of "
                           f"{count}")
         settings = with_size(abi.pccd_rays_settings())
