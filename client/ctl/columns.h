@@ -26,8 +26,8 @@ const char *format_user(uint32_t uid);
  * for goes on below, as far to the right; elsewhere it is one line. No end of line
  * follows. */
 void columns_text(FILE *to, uint32_t indent, const char *text);
-/* Return a stream whose lines go there as that function prints them, each when it is
- * whole; of a terminal, else `to` itself. One of a program, and never to be closed. */
+/* Return a stream that prints whole lines to `to` as columns_text does; `to` itself, if
+ * that is no terminal. A program has one, for the first `to`; nobody closes it. */
 FILE *columns_fitted(FILE *to);
 
 /* ---- Columns: members of a struct, as a table for people and as JSON for programs. */

@@ -194,10 +194,11 @@ if command -v script >/dev/null; then
     # If it failed, who measures for long would not know for how long.
     report check__shows_its_repetitions
 else
-    tap_skip top__fits_the_terminal "script is not installed"
-    tap_skip progress__of_a_large_file "script is not installed"
-    tap_skip progress__fits_the_terminal "script is not installed"
-    tap_skip check__shows_its_repetitions "script is not installed"
+    for name in top__fits_the_terminal list__fits_the_terminal texts__fit_the_terminal top__ends_with_q \
+        progress__goes_when_the_command_is_ended progress__of_a_large_file progress__fits_the_terminal \
+        check__shows_its_repetitions; do
+        tap_skip "$name" "script is not installed"
+    done
 fi
 
 # If it failed, who watches would not see the steps.

@@ -468,7 +468,8 @@ int inspect_finish(struct inspect *inspect, const char *name,
 
 /* ---- the whole page ---------------------------------------------------------------- */
 
-/* Thin out what is shown so far that all of it would have had room. */
+/* Return one in how many of `all` steps the page has room for: it had for those that were
+ * seen, but the last. */
 static uint64_t every_with_room(const struct inspect *inspect, uint64_t all)
 {
     uint64_t fitting = inspect->seen - 1; /* the last one did not */

@@ -30,7 +30,7 @@ int frames_begin(struct frames_recording *recording, struct pccd_client *client,
 int frames_record(struct frames_recording *recording, struct scene *scene,
                   const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error);
-/* Keep the names of the objects, which no recording has. E_NOMEM. */
+/* Keep the names of the objects, which no recording has. Errors: E_NOMEM. */
 int frames_name(struct frames_recording *recording, const struct scene *scene,
                 struct ctl_error *error);
 /* Let go of the file and the names. */

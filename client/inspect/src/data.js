@@ -1,4 +1,4 @@
-// data.js - what pccdctl inspect wrote into the page (client/ctl/inspect/inspect_data.h).
+// data.js - what pccdctl inspect wrote into the page (client/ctl/inspect/inspect.h).
 //
 // Each blob is an element with base64 text of what zlib has compressed, which a browser unpacks
 // in the background: `load` a step before `step` is asked for it.

@@ -107,7 +107,8 @@ int first_find(struct pccd_mpi *world, const struct pccd_contact *mine,
     }
     status = together_agree(status, error);
     status = status == PCCD_OK ? choose(&own, &earliest, error) : status;
-    if (status != PCCD_OK || earliest.contact.toi > 1) {
+    if (status != PCCD_OK || earliest.contact.toi > 1 ||
+        earliest.contact.kind >= COMMON_KIND_COUNT) { /* of a newer daemon: no place */
         return status;
     }
     status = gather_ends(&earliest, frames, ends, error);

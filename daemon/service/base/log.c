@@ -260,7 +260,7 @@ static void log_lost(void)
              proto_plural(count - logged, "line", "lines"),
              strerror(atomic_load_explicit(&lost_errno, memory_order_relaxed)));
     if (!write_message(SRV_LOG_ERROR, 0, said)) {
-        atomic_store_explicit(&lost_logged, logged, memory_order_relaxed);
+        atomic_fetch_sub_explicit(&lost_logged, count - logged, memory_order_relaxed);
     }
 }
 

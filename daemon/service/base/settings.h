@@ -8,9 +8,11 @@
  * letter    of the option; 0: none
  * argument  its value in the help
  * form      u32, u64, or level: a word, by its place in `argument`
- * member    of struct srv_options, in which 1 is stored as `unit`
- * most      START(N): at most N at the start, and at most as many as then while it runs,
- *           as what the team and the table of descriptors are made for
+ * member    of struct srv_options
+ * least     value, and
+ * most      value; START(N): at most N at the start, and later at most what it was then,
+ *           for which the team and the table of descriptors are made
+ * unit      what 1 is in that member
  * text      what it is, as `pccdd --help` and `pccdctl config` have it
  * later     added to that for a change while it runs
  * first     the default, for the help
