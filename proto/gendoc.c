@@ -260,7 +260,7 @@ static void print_step_enums(void)
     VALUE(PCCD_NEAR_PAIRS, "each VF and EE pair within the distance");
     VALUE(PCCD_NEAR_FEATURES, "the closest features of these pairs, each once");
     VALUE(PCCD_NEAR_VERTICES, "for each vertex its bound: least distance of its pairs");
-    VALUE(PCCD_NEAR_NEAREST, "for each two objects the nearest pair, VF, EE or EF");
+    VALUE(PCCD_NEAR_NEAREST, "for each two objects the nearest pair, of any kind");
     VALUE(PCCD_NEAR_CROSSINGS, "each edge that passes through a face");
     VALUE(PCCD_NEAR_DEPTH, "how deep vertices are in closed meshes of others");
 }

@@ -150,7 +150,8 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
  * all other numbers are of the whole, as for a step. Of VERTICES vertex_bounds[count] are
  * those of the vertices that this rank owns: of all objects by increasing handle (or of
  * object_a), each in the order of its part. The last step's answer is gone. Errors: those
- * of pccd_ask_near. */
+ * of pccd_ask_near; E_INVAL: NEAREST or DEPTH of an object that has free edges or points.
+ */
 int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_near_settings *settings,
                   struct pccd_answer *answer);
