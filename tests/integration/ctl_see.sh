@@ -275,9 +275,9 @@ END
     ! ctl export --time 0.5 -o no.vtk all.rec && grep -q 'neither .glb, .vtp nor .pvd' err
 report export__a_series_has_a_file_for_each_step
 # If it failed, Blender would show objects whose names say nothing.
-ctl export --with all1.obj all0.obj all1.obj && grep -q '^all0.glb: ' out && python3 - >>"$log" 2>&1 <<'END'
+ctl export --with all1.obj all0.obj all1.obj && grep -q '^all0-step.glb: ' out && python3 - >>"$log" 2>&1 <<'END'
 import json, struct
-data = open('all0.glb', 'rb').read()
+data = open('all0-step.glb', 'rb').read()
 size, = struct.unpack('<I', data[12:16])
 names = [node['name'] for node in json.loads(data[20:20 + size])['nodes']]
 assert names[:2] == ['all0', 'all1'], names
@@ -388,5 +388,8 @@ fi
 ctl check --repeat 0 all.glb all.glb && grep -q '^mesh  *9 vertices, 4 edges, 1 triangle$' out &&
     grep -q '^free  *1 edge, 4 points$' out
 report export__is_read_back_with_rods_and_points
+# If it failed, whoever exports glTF without -o would lose what was read.
+cp all.glb kept.glb && ctl export all.glb all.glb && grep -q '^all-step.glb: ' out && cmp all.glb kept.glb
+report export__spares_what_it_reads
 
 tap_end

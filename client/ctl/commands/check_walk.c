@@ -226,9 +226,9 @@ static bool has_pipe(const struct scene *scene)
     return has;
 }
 
-/* Return whether the end of a step may be looked at while the next one is computed:
- * nobody waits for its line while a pipe has nothing yet, or direct: computes, and no
- * step is made again to be shown. */
+/* Return whether the end of a step may be looked at while the next one is computed. Not
+ * where a frame comes through a pipe, which may keep its line waiting; nor where direct:
+ * computes, in this thread; nor where a step that fails is made again to be shown. */
 static bool may_wait(const struct walk *walk)
 {
     return walk->is_judged && !has_pipe(&walk->scene) &&

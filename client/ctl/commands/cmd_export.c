@@ -66,7 +66,7 @@ static const struct option_row rows[] = {
     {"output", 'o', "FILE",
      "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData; FILE.pvd names a "
      "FILE_N.vtp of each step N, a time series of ParaView (default: the name of the "
-     "first file, with .glb)",
+     "first file, with -step.glb)",
      OPTION_OWN, .take = take_output},
     {"list", 0, NULL,
      "Write nothing, but print which steps were answered, each with what was recorded of "
@@ -259,7 +259,8 @@ int ctl_cmd_export(int argc, char **argv)
         return CTL_USAGE;
     }
     if (export.path == NULL) {
-        export.path = play_options_output(&export.options, ".glb");
+        /* not .glb alone: the files that are read may be glTF of that name */
+        export.path = play_options_output(&export.options, "-step.glb");
     }
     const struct snapshot_at at = {.t = isnan(export.t) ? 1 : export.t};
     int status = export.path != NULL

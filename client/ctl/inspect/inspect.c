@@ -275,10 +275,12 @@ static int keep(struct inspect *inspect, uint64_t number, json_t *step, json_t *
         inspect->is_full = true;
         return inspect->kept > 0
                    ? PCCD_E_CANCELLED
-                   : ctl_error_set(error, PCCD_E_LIMIT,
-                                   "step %" PRIu64 " alone makes a page of %.1f MiB: "
-                                   "--max-size allows more, --round halves positions",
-                                   number, (double)bytes / (1 << 20));
+                   : ctl_error_set(
+                         error, PCCD_E_LIMIT,
+                         "step %" PRIu64 " alone makes a page of %.1f MiB: "
+                         "--max-size allows more, and --round of inspect halves "
+                         "positions",
+                         number, (double)bytes / (1 << 20));
     }
     int status =
         page_file_blob(inspect->page, inspect->packed.at, inspect->packed.used, error);

@@ -92,8 +92,8 @@ struct judge_ends {
     struct crossings first, begin, end; /* of the first frame, and of the last step */
 };
 
-/* Return whether that is found without asking, of a step in that mode that begins where
- * the one before ended. */
+/* Return whether what crosses where a step of that mode ends is found without asking; it
+ * begins where the one before ended. */
 bool judge_ends_follow(const struct judge_ends *ends, enum pccd_mode mode,
                        const struct report_step *step);
 /* Find what crosses where a step ends; it begins where the one before ended, and `end`
@@ -123,7 +123,7 @@ struct judged {
 /* Set whether something meets, and the earliest contact with the names that its parts
  * have, from the report of a step. */
 void judged_set(struct judged *judged, char *const *names);
-/* Be the first frame, of this name, and what crosses there. */
+/* Set it to the first frame, of this name, and what crosses there. */
 void judged_set_first(struct judged *judged, const char *frame,
                       const struct crossings *first);
 /* Return whether a step fails by itself: something meets, or crosses that did not. */
