@@ -143,11 +143,11 @@ struct check_ask {
  * `step` but the names of files. run->times is there. */
 int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
                      struct report_step *step, struct ctl_error *error);
-/* Set `first` to the earliest contact of a page, unless it is as early already: of several
- * it is the first in the order of the answer. */
+/* Set `first` to the earliest contact of a page, unless it is as early already: of
+ * several it is the first in the order of the answer. */
 void check_run_find_first(const struct pccd_answer *page, struct pccd_contact *first);
-/* Set `first` to where a contact of a known kind is, given the `ends` of its features, and
- * to the parts of `objects` (NULL: without) that have them. */
+/* Set `first` to where a contact of a known kind is, given the `ends` of its features,
+ * and to the parts of `objects` (NULL: without) that have them. */
 void check_run_set_first(const struct objects *objects,
                          const struct pccd_contact *contact,
                          const struct place_feature ends[2], struct report_first *first);
