@@ -19,6 +19,11 @@ from mcp_client import ANSWER_BYTES, Client, Draft202012Validator, Failed
 
 SEED = int(os.environ.get("PCCD_SEED", "1"))
 MUTATIONS = 1000
+ROBOT = """<robot name="r"><link name="base"><collision><geometry><mesh filename="%s"/>
+</geometry></collision></link><link name="arm"><collision><origin xyz="40 0 0"/><geometry>
+<box size="1 1 1"/></geometry></collision></link><joint name="pin" type="continuous">
+<parent link="base"/><child link="arm"/></joint></robot>
+"""
 
 
 class Case(unittest.TestCase):
@@ -115,9 +120,8 @@ class Protocol(Case):
     # If it failed, a schema would be none, or its tool be refused by a client.
     def test_schemas__are_schemas_of_objects(self):
         tools = self.client().tools
-        self.assertEqual(list(tools), ["scene", "check", "near", "crossings", "explain",
-                                       "more",
-                                       "record", "verify"])
+        self.assertEqual(list(tools), ["scene", "check", "near", "crossings", "sweep",
+                                       "explain", "more", "record", "verify"])
         for tool in tools.values():
             for schema in (tool["inputSchema"], tool["outputSchema"]):
                 self.assertEqual(schema["type"], "object")
@@ -270,6 +274,10 @@ class Confined(Case):
             self.refused(client, "near", outside, name, files=[name])
             self.refused(client, "crossings", outside, name, files=[name])
             self.refused(client, "verify", outside, name, recording=name)
+            self.refused(client, "sweep", outside, name, file=name)
+            self.refused(client, "sweep", outside, name, file="r.urdf", srdf=name,
+                         meshes=["."])
+            self.refused(client, "sweep", outside, name, file="r.urdf", meshes=[name])
         for name in ("../secret%d.obj", "up/secret%d.obj"):
             self.refused(client, "check", files=[name])
         for name, member in (("out.json", "../secret%d.obj"), ("abs.json", "secret0.obj"),
@@ -281,6 +289,27 @@ class Confined(Case):
             self.refused(client, "scene", outside, folder=name)
         for name in ("here.obj", str(self.path / "box0.obj"), "./box0.obj"):
             self.assertEqual(client.call("scene", files=[name])["row_count"], 1)
+
+    # If it failed, a robot would have meshes that nobody has shown the agent, or tell by
+    # its errors what lies around the folder.
+    def test_meshes_of_robots__outside_of_the_folder_are_refused(self):
+        write_box(self.outside / "secret.obj", (0, 0, 0), (1, 1, 1))
+        (self.path / "link.obj").symlink_to("../secret.obj")
+        client = self.client()
+        (self.path / "r.urdf").write_text(ROBOT % "package://x/box0.obj")
+        try:
+            self.assertEqual(client.call("sweep", file="r.urdf")["verdict"], "free")
+        except Failed as why:
+            self.assertIn("built without expat", str(why))
+            self.skipTest("built without expat")
+        for names, text in ((("../secret.obj", "../nothing.obj", "link.obj",
+                              "file:///etc/passwd", "file:///etc/nothing",
+                              str(self.outside / "secret.obj")),
+                             "outside of the folder"),
+                            (("package://x/secret.obj", "secret.obj"), "is not there")):
+            for name in names:
+                (self.path / "r.urdf").write_text(ROBOT % name)
+                self.refused(client, "sweep", text, file="r.urdf")
 
     # If it failed, a call would wait for a byte that nobody writes, until its time is
     # over.
@@ -376,6 +405,11 @@ class Tools(Case):
                 ("explain", '"row" is no whole number', {"handle": "x", "row": -1}),
                 ("more", 'no handle "contacts-9"', {"handle": "contacts-9"}),
                 ("verify", "floor.obj", {"recording": "floor.obj"}),
+                ("sweep", '"file" is missing', {}),
+                ("sweep", '"motions" is no whole number from 1', {"file": "a.urdf",
+                                                                  "motions": 0}),
+                ("sweep", "floor.obj", {"file": "floor.obj"}),
+                ("sweep", "hinge.json: cannot open", {"file": "hinge.json"}),
                 ("scene", '"files" is missing', {"with": ["box0.obj"]})):
             self.refused(client, tool, text, **arguments)
 
@@ -398,6 +432,24 @@ class Tools(Case):
             client.call("scene")
         self.refused(client, "more", "is gone", handle=handle)
 
+    # If it failed, only the first ranges of a robot with many joints would be told.
+    def test_ranges__go_on_in_more(self):
+        names = [f"joint {i}" for i in range(30)]
+        write_scene(self.path / "chain.json",
+                    [{"name": "hand", "files": "box0.obj", "joint": names[-1]},
+                     {"name": "floor", "files": "floor.obj"}],
+                    joints=[{"name": name, "type": "prismatic", "range": [0, 1],
+                             **({"parent": parent} if parent else {})}
+                            for parent, name in zip([None] + names, names)])
+        client = self.client()
+        told = client.call("sweep", file="chain.json")
+        self.assertEqual((told["verdict"], told["row_count"]), ("free", 30))
+        rows = told["rows"]
+        while "next_offset" in told:
+            told = client.call("more", handle=told["handle"], offset=told["next_offset"])
+            rows += told["rows"]
+        self.assertEqual([row["joints"] for row in rows], [[name] for name in names])
+
     # If it failed, an answer would be longer than an agent wants to read, or no answer.
     def test_answers__have_room_for_long_names(self):
         long = "n" * 200
@@ -416,6 +468,13 @@ class Tools(Case):
         client.call("explain", handle=told["contacts_handle"], row=0)
         near = client.call("near", files=["long.json"], what="pairs", distance=30)
         client.call("explain", handle=near["handle"], row=1)
+        write_box(self.path / "half.obj", (1, 1, 11), (3, 3, 13))
+        write_scene(self.path / "joints.json", [
+            {"name": "ä" * 900, "files": "box0.obj", "joint": "€" * 900},
+            {"name": "b" * 900, "files": "half.obj"}],
+            joints=[{"name": "€" * 900, "type": "prismatic", "range": [0, 1]}])
+        jam = client.call("sweep", file="joints.json")["first"]
+        self.assertTrue(jam["initial"] and jam["joints"][0].endswith("..."))
         self.refused(client, "check", files=["x" * 4000, "y" * 4000])
         for letter in "xé€😀":  # 1, 6, 6 and 12 bytes in an answer
             for count in (120, 380, 900):

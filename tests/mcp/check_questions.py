@@ -1,15 +1,17 @@
-"""check_questions.py - ten questions about files, which the tools alone answer.
+"""check_questions.py - eleven questions about files, which the tools alone answer.
 
 Room:     tests/mcp.
 Does:     ask as an agent would that has seen nothing but the descriptions of the tools;
           hold the answers against what the files were made of, and the number of calls.
 """
 
+import math
 import pathlib
 import tempfile
 import unittest
 
-from files import write_box, write_falling, write_mesh, write_scene, write_triangle
+from files import (write_box, write_falling, write_hinge, write_mesh, write_scene,
+                   write_triangle)
 from mcp_client import Client, Failed
 
 
@@ -178,6 +180,37 @@ class Questions(unittest.TestCase):
         self.assertEqual(proved["verdict"], "pass")
         self.assertEqual(proved["contacts"], told["contacts"])
         self.assertGreater(proved["non_contacts"], 0)
+
+    # If it failed, a hinge would jam elsewhere, or at another part, or be called free.
+    def test_question_11__where_does_the_hinge_jam(self):
+        write_hinge(self.path)
+        ask = self.asked(5)
+        told = ask.call("sweep", file="hinge.json")
+        first = told["first"]
+        low, high = map(float, first["bracket"].split(" to "))
+        self.assertEqual((told["verdict"], told["looked_within"]), ("jams", True))
+        self.assertEqual((first["joints"], {first["a"], first["b"]}, first["initial"]),
+                         (["pin"], {"post", "leaf"}, False))
+        self.assertLessEqual(low, math.pi / 6)
+        self.assertLessEqual(math.pi / 6, high)
+        self.assertLessEqual(high - low, 1e-6)
+        self.assertAlmostEqual(first["value"][0], high, 8)
+        row = told["rows"][0]
+        self.assertEqual((row["low"], row["high"]), ([0], [1.5]))
+        self.assertEqual([jam["from"] for jam in row["jams"]], ["begin", "end"])
+        high, low = map(float, row["jams"][1]["bracket"].split(" to "))
+        self.assertGreater(high, low)  # as it goes: from the value that is free
+        told = ask.call("sweep", file="hinge.json", joints=["pin=0:0.4"], least=1e-6)
+        low, high = told["rows"][0]["least_distance"]
+        self.assertEqual(told["verdict"], "free")
+        self.assertAlmostEqual(low, math.sin(math.pi / 6 - 0.4), 5)
+        self.assertAlmostEqual(high, low, 5)
+        told = ask.call("sweep", file="hinge.json", clearance=["0.1"], bracket=1e-9)
+        self.assertAlmostEqual(told["first"]["value"][0], 0.42343135397717, 8)
+        told = ask.call("sweep", file="hinge.json", allow=["post,leaf"])
+        self.assertEqual((told["verdict"], told["row_count"]), ("free", 1))
+        with self.assertRaisesRegex(Failed, "hinge.json has no such joint"):
+            ask.call("sweep", file="hinge.json", joints=["knee"])
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ const client = new Client({ name: "check_sdk", version: "1" });
 await client.connect(transport);
 const { tools } = await client.listTools();
 assert.deepStrictEqual(tools.map((tool) => tool.name),
-    ["scene", "check", "near", "crossings", "explain", "more", "record", "verify"]);
+    ["scene", "check", "near", "crossings", "sweep", "explain", "more", "record", "verify"]);
 
 const call = async (name, args) => {
     const result = await client.callTool({ name, arguments: args });
@@ -40,6 +40,7 @@ assert.strictEqual(checked.verdict, "meets");
 assert.strictEqual(checked.first.step, 3);
 assert.strictEqual((await call("near", { files: ["box1.obj", "floor.obj"] })).distance_min, 6);
 assert.strictEqual((await call("crossings", { files: ["box0.obj", "floor.obj"] })).verdict, "no");
+assert.strictEqual((await call("sweep", { file: "hinge.json" })).verdict, "jams");
 const rows = await call("more", { handle: checked.contacts_handle, offset: 2 });
 assert.strictEqual(rows.row_count, checked.contacts);
 const told = await call("explain", { handle: checked.contacts_handle, row: 0, picture: true });

@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 import unittest
 
-from files import write_falling
+from files import write_falling, write_hinge
 
 LIBRARY = pathlib.Path(os.environ.get("NODE_MODULES", "")) / "@modelcontextprotocol/sdk"
 HERE = pathlib.Path(__file__).parent
@@ -26,6 +26,7 @@ class Sdk(unittest.TestCase):
             self.skipTest("no node, or no @modelcontextprotocol/sdk in $NODE_MODULES")
         with tempfile.TemporaryDirectory(prefix="pccd-mcp-") as folder:
             write_falling(pathlib.Path(folder))
+            write_hinge(pathlib.Path(folder))
             done = subprocess.run(["node", HERE / "check_sdk.mjs", folder], timeout=300,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                   check=False)

@@ -35,5 +35,17 @@ def write_falling(folder):
     write_box(folder / "floor.obj", (-50, -50, -100), (50, 50, 0))
 
 
+def write_hinge(folder):
+    """A leaf that turns about z, up to 1.5; at 30 degrees it meets an edge of a post."""
+    write_box(folder / "post.obj", (0.75 ** 0.5 - 0.2, 0.5, -0.15), (0.75 ** 0.5, 0.7,
+                                                                     0.15))
+    write_box(folder / "leaf.obj", (0.5, -0.2, -0.05), (1.5, 0, 0.05))
+    write_scene(folder / "hinge.json",
+                [{"name": "post", "files": "post.obj"},
+                 {"name": "leaf", "files": "leaf.obj", "joint": "pin"}],
+                joints=[{"name": "pin", "type": "revolute", "axis": [0, 0, 1],
+                         "range": [0, 1.5]}])
+
+
 def write_scene(path, objects, **more):
     path.write_text(json.dumps({"pccd_scene": 1, "objects": objects, **more}))

@@ -45,10 +45,10 @@ const struct option_table ctl_table_mcp = {
     .check = check,
     .arguments = "FOLDER",
     .text = "Answer an agent: speak the Model Context Protocol on the standard input and "
-            "output, with the tools scene, check, near, crossings, explain, more, record "
-            "and verify. What they read is in that folder.",
+            "output, with the tools scene, check, near, crossings, sweep, explain, more, "
+            "record and verify. What they read is in that folder.",
     .more = "It answers until the input ends. Names of files count from the folder; what "
-            "leaves it, also by a symbolic link or by a scene file, is refused. Without "
+            "leaves it, also by a link, a scene file or a robot, is refused. Without "
             "--url, --socket and $PCCD_URL each call has a private daemon.",
     .examples = "  pccdctl mcp .\n"
                 "  pccdctl mcp --write --url direct: .\n",

@@ -70,7 +70,8 @@ static int print(json_t *value, bool ok, struct ctl_error *error)
 /* Files that tools read, and folders. */
 static bool is_of_use(const char *name, bool is_folder)
 {
-    static const char *const endings[] = {".rec", ".pc2", ".mdd", ".png", ".pccd"};
+    static const char *const endings[] = {".rec",  ".pc2",  ".mdd", ".png",
+                                          ".pccd", ".urdf", ".srdf"};
     bool is_it = is_folder || ctl_mesh_is_named(name) || scene_is_named(name);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         is_it = is_it || tool_ends_with(name, endings[i]);

@@ -846,6 +846,249 @@ static json_t *answer_crossings(struct mcp *mcp, const struct mcp_tool *tool,
     return ask_near(mcp, tool, asked, "crossings", error);
 }
 
+/* ---- sweep ------------------------------------------------------------------------- */
+
+static const struct mcp_field sweep_takes[] = {
+    {"file", MCP_FILE, .meaning = "A robot (.urdf), or a scene file with joints (.json)",
+     .is_needed = true, .option = ""},
+    {"joints", MCP_TEXTS,
+     .meaning = "\"NAME=LO:HI\", or \"NAME\" over its limits; up to three, which move at "
+                "once, in every combination of their values (default: each joint by "
+                "itself). Values are in radians, degrees (\"elbow=-90deg:90deg\") or the "
+                "file's unit",
+     .option = "--joint"},
+    {"fix", MCP_TEXTS, .meaning = "\"NAME=VALUE\": hold a joint that is not swept there",
+     .option = "--fix"},
+    {"clearance", MCP_TEXTS,
+     .meaning = "\"D\": parts may not come nearer than that (default: 0); \"A,B=D\": "
+                "these two, in the place of that; at 0 they may touch, as a pin its hole",
+     .option = "--clearance"},
+    {"allow", MCP_TEXTS, .meaning = "\"A,B\": these two parts may meet",
+     .option = "--allow"},
+    {"between", MCP_TEXTS,
+     .meaning = "Of a scene file, \"A,B\": compare these two parts alone",
+     .option = "--between"},
+    {"with", MCP_FILES, .meaning = "Further meshes, which stand", .option = "--with"},
+    {"srdf", MCP_FILE, .meaning = "Of a robot: leave out the pairs that it disables",
+     .option = "--srdf"},
+    {"state", MCP_TEXT, .meaning = "Hold joints where this group_state of the SRDF does",
+     .option = "--state"},
+    {"meshes", MCP_FILES, .meaning = "Of a robot: folders to look for its meshes",
+     .option = "--meshes"},
+    {"bracket", MCP_REAL,
+     .meaning = "Find a jam to within so much, in radians or the file's unit (default: "
+                "1e-6)",
+     .min = 1e-15, .max = 1, .option = "--bracket"},
+    {"least", MCP_REAL,
+     .meaning = "Find the least distance of what is free, too, to this part of its size, "
+                "as 0.001 (default: 0, do not)",
+     .min = 0, .max = 1, .option = "--least"},
+    {"motions", MCP_WHOLE,
+     .meaning = "Of several joints at once: decide by so many motions (default: 4096)",
+     .min = 1, .max = 1e9, .option = "--motions"},
+    {0}};
+/* Two parts, and values of the joints of the row. */
+#define PARTS_TELLS                                                                      \
+    {"a", MCP_TEXT, .meaning = "A part", .is_needed = true},                             \
+        {"b", MCP_TEXT, .meaning = "The other one", .is_needed = true},                  \
+    {                                                                                    \
+        "value", MCP_REALS, .meaning = "Of each of the joints, there", .is_needed = true \
+    }
+#define JAM_TELLS                                                                        \
+    PARTS_TELLS,                                                                         \
+        {"bracket", MCP_TEXT,                                                            \
+         .meaning = "Values of the first joint between which they come to meet",         \
+         .is_needed = true},                                                             \
+    {                                                                                    \
+        "initial", MCP_TRUTH,                                                            \
+            .meaning = "true: they meet already where the motion begins",                \
+            .is_needed = true                                                            \
+    }
+static const struct mcp_field jam_tells[] = {
+    JAM_TELLS,
+    {"from", MCP_WORD, .meaning = "Of one joint: the end of the range that it comes from",
+     .words = "begin|end"},
+    {0}};
+static const struct mcp_field first_jam_tells[] = {
+    {"joints", MCP_TEXTS, .meaning = "Which joints move", .is_needed = true},
+    JAM_TELLS,
+    {0}};
+static const struct mcp_field nearest_tells[] = {PARTS_TELLS, {0}};
+static const struct mcp_field gap_tells[] = {
+    {"low", MCP_REALS, .meaning = "Least value of each joint", .is_needed = true},
+    {"high", MCP_REALS, .meaning = "Greatest value", .is_needed = true},
+    {0}};
+#define SWEEP_VERDICT                                                                    \
+    {                                                                                    \
+        "verdict", MCP_WORD,                                                             \
+            .meaning = "free: no two parts meet at any value, proved; jams; undecided: " \
+                       "nothing is proved to meet, but not all is proved free",          \
+            .is_needed = true, .words = "free|jams|undecided"                            \
+    }
+static const struct mcp_field sweep_row[] = {
+    {"joints", MCP_TEXTS, .meaning = "Which joints move", .is_needed = true},
+    {"low", MCP_REALS, .meaning = "Where the range of each begins", .is_needed = true},
+    {"high", MCP_REALS, .meaning = "Where it ends", .is_needed = true},
+    SWEEP_VERDICT,
+    {"jams", MCP_ROWS,
+     .meaning = "Of one joint the first jam from each end; of several the one found",
+     .of = jam_tells},
+    {"undecided", MCP_REAL, .meaning = "The part of the range that is, 0 to 1"},
+    {"gap", MCP_OBJECT, .meaning = "Where, the first of several", .of = gap_tells},
+    {"least_distance", MCP_REALS, .meaning = "Two numbers between which it is"},
+    {"least_above_clearance", MCP_REALS,
+     .meaning = "The same above what two parts keep, where they have a clearance"},
+    {"nearest", MCP_OBJECT, .meaning = "Where that is", .of = nearest_tells},
+    {0}};
+static const struct mcp_field sweep_tells[] = {
+    SWEEP_VERDICT,
+    {"first", MCP_OBJECT, .meaning = "The first jam of the first range that has one",
+     .of = first_jam_tells},
+    {"looked_within", MCP_TRUTH,
+     .meaning = "false: not all shapes are closed meshes, so that a part that begins "
+                "wholly within another one is not seen",
+     .is_needed = true},
+    {"units", MCP_TEXT, .meaning = "What numbers count"},
+    ROWS_TELLS(sweep_row, "Ranges that were swept"),
+    COMMON_TELLS,
+    {0}};
+
+/* Set one end of the intervals that joints have by name: 0, the low one. */
+static void set_ends(json_t *to, const char *as, json_t *intervals, size_t end, bool *ok)
+{
+    json_t *list = json_array(), *interval;
+    const char *joint;
+    json_object_foreach(intervals, joint, interval)
+    {
+        json_append(list, json_incref(json_array_get(interval, end)), ok);
+    }
+    json_set(to, as, list, ok);
+}
+
+static json_t *joints_of(json_t *intervals, bool *ok)
+{
+    json_t *list = json_array(), *interval;
+    const char *joint;
+    json_object_foreach(intervals, joint, interval)
+    {
+        json_append(list, json_text(joint), ok);
+    }
+    return list;
+}
+
+/* Tell of a jam; of the least distance (`is_jam` false) where it is. */
+static json_t *jam_of(const json_t *jam, bool is_jam, bool *ok)
+{
+    json_t *told = json_object(), *at = json_object_get(jam, "at");
+    const json_t *parts = json_object_get(jam, "parts");
+    const json_t *first = json_object_iter_value(json_object_iter(at));
+    /* They meet at the far end of the interval, as the motion goes. */
+    bool goes_up = strcmp(text_at(jam, "from"), "end") != 0;
+    json_set(told, "a", json_incref(json_array_get(parts, 0)), ok);
+    json_set(told, "b", json_incref(json_array_get(parts, 1)), ok);
+    set_ends(told, "value", at, goes_up ? 1 : 0, ok);
+    if (is_jam) {
+        json_set(told, "bracket",
+                 format_text("%.17g to %.17g",
+                             json_number_value(json_array_get(first, goes_up ? 0 : 1)),
+                             json_number_value(json_array_get(first, goes_up ? 1 : 0))),
+                 ok);
+        copy_member(told, NULL, jam, "initial", ok);
+        copy_member(told, NULL, jam, "from", ok);
+    }
+    return told;
+}
+
+static json_t *sweep_row_of(const json_t *range, bool *ok)
+{
+    json_t *row = json_object(), *swept = json_object_get(range, "range");
+    const json_t *jams = json_object_get(range, "jams");
+    json_t *first_gap = json_array_get(json_object_get(range, "undecided_boxes"), 0);
+    const json_t *nearest = json_object_get(range, "nearest");
+    json_set(row, "joints", joints_of(swept, ok), ok);
+    set_ends(row, "low", swept, 0, ok);
+    set_ends(row, "high", swept, 1, ok);
+    copy_member(row, NULL, range, "verdict", ok);
+    if (json_array_size(jams) > 0) {
+        json_t *list = json_array();
+        for (size_t i = 0; i < json_array_size(jams); i++) {
+            json_append(list, jam_of(json_array_get(jams, i), true, ok), ok);
+        }
+        json_set(row, "jams", list, ok);
+    }
+    if (json_is_object(first_gap)) {
+        json_t *gap = json_object();
+        set_ends(gap, "low", first_gap, 0, ok);
+        set_ends(gap, "high", first_gap, 1, ok);
+        copy_member(row, NULL, range, "undecided", ok);
+        json_set(row, "gap", gap, ok);
+    }
+    copy_member(row, NULL, range, "least_distance", ok);
+    copy_member(row, NULL, range, "least_above_clearance", ok);
+    if (json_is_object(nearest)) {
+        json_set(row, "nearest", jam_of(nearest, false, ok), ok);
+    }
+    return row;
+}
+
+/* Tell of the first row that jams, and what to ask if its parts meet from the start. */
+static void set_first_jam(json_t *answer, const json_t *rows, bool *ok)
+{
+    const json_t *row = NULL, *jam = NULL;
+    for (size_t i = 0; i < json_array_size(rows) && jam == NULL; i++) {
+        row = json_array_get(rows, i);
+        jam = json_array_get(json_object_get(row, "jams"), 0);
+    }
+    if (jam == NULL) {
+        return;
+    }
+    json_t *first = json_deep_copy(jam);
+    (void)json_object_del(first, "from");
+    json_set(first, "joints", json_deep_copy(json_object_get(row, "joints")), ok);
+    json_set(answer, "first", first, ok);
+    if (json_is_true(json_object_get(jam, "initial"))) {
+        json_set(answer, "next",
+                 json_string("if these two touch by design: the same with them in allow"),
+                 ok);
+    }
+}
+
+static json_t *answer_sweep(struct mcp *mcp, const struct mcp_tool *tool,
+                            const json_t *asked, struct ctl_error *error)
+{
+    struct mcp_job job = {.word_count = 0};
+    json_t *answer = NULL;
+    begin_asking(&job, mcp, ctl_cmd_sweep, "pccdctl sweep");
+    mcp_job_add(&job, "--least=0"); /* unless the fields say more */
+    mcp_job_add_fields(&job, tool->takes, asked);
+    json_t *report = run(mcp, &job, CTL_UNDECIDED, error);
+    if (report != NULL) {
+        const json_t *ranges = json_object_get(report, "ranges");
+        json_t *rows = json_array();
+        bool ok = true;
+        for (size_t i = 0; i < json_array_size(ranges); i++) {
+            json_append(rows, sweep_row_of(json_array_get(ranges, i), &ok), &ok);
+        }
+        answer = json_object();
+        copy_member(answer, NULL, report, "verdict", &ok);
+        copy_member(answer, NULL, report, "looked_within", &ok);
+        set_first_jam(answer, rows, &ok);
+        json_set(answer, "units",
+                 json_string("angles in radians, lengths in the file's unit"), &ok);
+        const struct mcp_table *table =
+            mcp_keep(mcp, "ranges",
+                     (struct mcp_table){.tool = tool,
+                                        .asked = asked,
+                                        .rows = rows,
+                                        .count = json_array_size(rows)});
+        mcp_show_rows(answer, table, 0, &ok);
+        set_warnings(answer, report, &job, &ok);
+        json_decref(report);
+    }
+    mcp_job_deinit(&job);
+    return answer;
+}
+
 /* ---- explain ----------------------------------------------------------------------- */
 
 static const struct mcp_field explain_takes[] = {
@@ -1262,6 +1505,13 @@ const struct mcp_tool mcp_tools[] = {
      "List edges that pass through faces where meshes stand, between objects and within "
      "each.",
      crossings_takes, crossings_tells, false, answer_crossings},
+    {"sweep", "Does a mechanism jam",
+     "Move the joints of a robot or machine over their ranges, on true arcs, and tell "
+     "with "
+     "proof whether two parts meet: verdict, first jam with its parts and joint value, "
+     "in "
+     "a bracket; least distance.",
+     sweep_takes, sweep_tells, false, answer_sweep},
     {"explain", "One record in full",
      "Tell of one record which features meet, when and where, with their vertices at "
      "both "
@@ -1269,7 +1519,7 @@ const struct mcp_tool mcp_tools[] = {
      explain_takes, explain_tells, true, answer_explain},
     {"more", "Further rows of an answer",
      "Give the rows of an earlier answer from an offset on: steps, contacts, pairs, "
-     "files.",
+     "ranges, files.",
      more_takes, more_tells, false, answer_more},
     {"record", "Keep a computation",
      "Compute the steps of files and write all that was asked and answered to a "

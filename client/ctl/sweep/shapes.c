@@ -1,16 +1,20 @@
 /* shapes.c - the meshes of a mechanism's shapes. */
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "confined.h"
 #include "robot.h"
 #include "shown.h"
 
 /* ---- files ------------------------------------------------------------------------- */
 
-/* Return "FOLDER/MORE/NAME" if it is there, the caller's to free; else NULL. */
+/* Return "FOLDER/MORE/NAME" if it is there, the caller's to free; else NULL. What is
+ * outside of the folder that may be read counts as there, so that its reader refuses it,
+ * whether it is there or not; above FOLDER it is not looked for. */
 static char *try_file(const char *folder, int folder_bytes, const char *more,
                       const char *name)
 {
@@ -19,7 +23,8 @@ static char *try_file(const char *folder, int folder_bytes, const char *more,
                  more, name) < 0) {
         return NULL;
     }
-    if (access(path, F_OK) != 0) {
+    int why = tool_is_outside(path, false);
+    if (why == 0 ? access(path, F_OK) != 0 : why != EXDEV || more[0] != '\0') {
         free(path);
         path = NULL;
     }
