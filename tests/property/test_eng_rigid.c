@@ -428,43 +428,71 @@ CASE(rigid__objects_are_answered_as_any_others)
     }
 }
 
-/* If this failed, what meets because positions are rounded would be missed in body space:
- * poses keep a corner 2^-4 above a triangle, which doubles beyond 2^50 do not. */
-CASE(rigid__what_rounding_brings_together_meets)
+/* Two triangles, of corners that are multiplied by `size` as registered, and by `factor`
+ * in poses; from and to where these take each of them along z. */
+struct rounded {
+    double size;
+    double factor;
+    double from[2];
+    double to[2];
+};
+
+/* The second comes down on the first. */
+static void check_rounded(const struct rounded *rounded, bool by_bodies)
 {
     static uint32_t corners[1][3] = {{0, 1, 2}};
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct eng_step_result result;
+    struct player player;
+    settings.mode = PCCD_MODE_ALL;
+    settings.team_always = by_bodies;
+    player_init(&player, NULL);
+    for (uint32_t i = 0; i < 2; i++) {
+        double x[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                             {{0.25, 0.25, 0x1p-4}, {1, 0, 1}, {0, 1, 1}}};
+        for (uint32_t k = 0; k < 9; k++) {
+            x[i][k / 3][k % 3] *= rounded->size;
+        }
+        player_act(&player, &(struct play_act){.what = PLAY_ADD,
+                                               .object_id = i,
+                                               .vertex_count = 3,
+                                               .triangle_count = 1,
+                                               .x0 = x[i],
+                                               .triangles = corners});
+        filters_set(&player.filters, player.scene,
+                    (struct filters_place){i, player.objects[i].idx},
+                    (struct eng_object_filter){1, 1, false});
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        struct play_act pose = {.what = PLAY_RIGID, .object_id = i, .vertex_count = 3};
+        for (int k = 0; k < 3; k++) {
+            pose.m[0][5 * k] = pose.m[1][5 * k] = rounded->factor;
+        }
+        pose.m[0][11] = rounded->from[i];
+        pose.m[1][11] = rounded->to[i];
+        player_act(&player, &pose);
+    }
+    assert_int_equal(player_step(&player, &settings, &result), PCCD_OK);
+    assert_int_equal(way_was_by_bodies(player.scene), by_bodies);
+    assert_true(result.count > 0);
+    player_deinit(&player);
+}
+
+/* If this failed, what meets would be missed in body space:
+ * - because positions are rounded: poses keep a corner 2^-4 above a triangle, which
+ *   doubles beyond 2^50 do not;
+ * - because numbers of poses are too small for floats, which are off by more than 2^-11
+ *   of them: a corner passes through a triangle by 2^-14 of its body. */
+CASE(rigid__what_rounding_brings_together_meets)
+{
+    const double factor = 713.49 * 0x1p-149;
+    const double size = 0x1p59;
+    const struct rounded of_places = {
+        1, 1, {0x1p50, 0x1p50 + 0.5}, {0x1p50, 0x1p50}};
+    const struct rounded of_factors = {
+        size, factor, {0, size * factor}, {0, -(0x1p-4 + 0x1p-14) * size * factor}};
     for (int by_bodies = 0; by_bodies < 2; by_bodies++) {
-        struct eng_question settings = ENG_QUESTION_DEFAULT;
-        struct eng_step_result result;
-        struct player player;
-        settings.mode = PCCD_MODE_ALL;
-        settings.team_always = by_bodies;
-        player_init(&player, NULL);
-        for (uint32_t i = 0; i < 2; i++) {
-            double x[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
-                                 {{0.25, 0.25, 0x1p-4}, {1, 0, 1}, {0, 1, 1}}};
-            player_act(&player, &(struct play_act){.what = PLAY_ADD,
-                                                   .object_id = i,
-                                                   .vertex_count = 3,
-                                                   .triangle_count = 1,
-                                                   .x0 = x[i],
-                                                   .triangles = corners});
-            filters_set(&player.filters, player.scene,
-                        (struct filters_place){i, player.objects[i].idx},
-                        (struct eng_object_filter){1, 1, false});
-        }
-        for (uint32_t i = 0; i < 2; i++) {
-            struct play_act pose = {.what = PLAY_RIGID,
-                                    .object_id = i,
-                                    .vertex_count = 3,
-                                    .m = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0x1p50},
-                                          {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0x1p50}}};
-            pose.m[0][11] += 0.5 * i;
-            player_act(&player, &pose);
-        }
-        assert_int_equal(player_step(&player, &settings, &result), PCCD_OK);
-        assert_int_equal(way_was_by_bodies(player.scene), by_bodies);
-        assert_true(result.count > 0);
-        player_deinit(&player);
+        check_rounded(&of_places, by_bodies);
+        check_rounded(&of_factors, by_bodies);
     }
 }

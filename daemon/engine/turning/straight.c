@@ -1,6 +1,7 @@
 /* straight.c - two trees against each other, both of which go straight. */
 #include "straight.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -226,7 +227,8 @@ static double reach_of(const struct view *view)
             squares += eng_dot(m + 4 * (size_t)i, m + 4 * (size_t)i);
             shift += fabs(m[4 * i + 3]);
         }
-        reach = eng_most(reach, sqrt(squares) * (half + DOUBLES * far) + DOUBLES * shift);
+        double size = sqrt(squares) + FLT_MIN; /* below that, floats have fewer bits */
+        reach = eng_most(reach, size * (half + DOUBLES * far) + DOUBLES * shift);
     }
     return reach;
 }
