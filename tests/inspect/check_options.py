@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import random
+import subprocess
 import tempfile
 import unittest
 
@@ -41,6 +42,16 @@ class Options(unittest.TestCase):
         for step in range(FRAMES - 1):
             self.assertLess(self.worst(page, step, "x0", step), 1e-5)
             self.assertLess(self.worst(page, step, "x1", step + 1), 1e-5)
+
+    # If it failed, the demo would name a command that does not make what it promises.
+    def test_demo__names_a_command_that_makes_a_page(self):
+        said = pccdctl("demo", "--steps", "1", folder=self.made.name).stdout
+        lead, command = said.splitlines()[-1].split(": ")
+        self.assertEqual(lead, "to look at it in a browser")
+        subprocess.run(command.replace("--steps 100", "--steps 2"), shell=True,
+                       check=True, capture_output=True, cwd=self.made.name, timeout=60)
+        page = Page(os.path.join(self.made.name, "demo.html"))
+        self.assertGreater(len(page.meta["steps"]), 1)
 
     # If it failed, the page would count otherwise than everybody else.
     def test_page__has_the_counts_that_check_told(self):

@@ -11,12 +11,13 @@ import csv
 import math
 import os
 import pathlib
+import shlex
 import tempfile
 import unittest
 
 from browser import Browser, is_here
 from scene import (BAR, FRAMES, NAME, POST, RADIUS, TIP, ObjectsScene, Scene,
-                   ThickScene, TurningScene, pccdctl, positions)
+                   ThickScene, TurningScene, pccdctl, positions, record_frames)
 
 SPACE, ENTER, RIGHT, HOME, DOWN = " ", "\ue007", "\ue014", "\ue011", "\ue015"
 TAB, ESCAPE = "\ue004", "\ue00c"
@@ -319,6 +320,11 @@ class Opened(InBrowser):
         self.assertFalse(self.value("playing"))
         self.browser.press("?")
         self.assertTrue(self.browser.run("return document.getElementById('help').open"))
+        said = self.browser.run("return document.getElementById('help').innerText")
+        for what in ("fingers", "vertex-face", "step; home"):
+            self.assertIn(what, said)
+        for what in ("hierarchy", "vertex-vertex", "thickness"):  # not on the screen
+            self.assertNotIn(what, said)
         unnamed = self.browser.run("""
             return [...document.querySelectorAll('button, input, select, canvas')]
               .filter((one) => !one.getAttribute('aria-label') && !one.textContent.trim()
@@ -378,12 +384,20 @@ class Opened(InBrowser):
                          (times.index(min(times)), min(times)))
         self.assertIn("with the most contacts; ", self.text("caption"))
         self.assertIn(", its first contact", self.text("caption"))
-        self.assertEqual(self.text("detail-head"), "First contact")
+        self.assertEqual(self.text("detail-head"), "First contact of this step")
         self.assertTrue(self.is_seen("pin"))
         self.assertGreater(self.browser.run(IN_SIGHT), 0.9)
         self.set("step", 0)  # there it is not the moment of anything
         self.assertEqual((self.value("chosen"), self.value("t")), (-1, 1))
         self.assertIn("step 1; t = 1, its end", self.text("caption"))
+        self.set("find", "nonsense")
+        self.browser.click("#go-earliest")
+        index = next(i for i, said in enumerate(self.scene.steps) if said["contacts"])
+        self.browser.wait("return pccd.state.values.chosen >= 0")
+        self.assertEqual(self.value("index"), index)
+        self.assertLess(abs(self.value("t") - self.scene.times(index + 1)[0]), 1e-6)
+        self.assertFalse(self.browser.run(
+            "return document.getElementById('go-earliest').matches(':enabled')"))
 
     # If it failed, nobody would know what the list is for, or what the lines are that
     # appear in the view.
@@ -392,6 +406,7 @@ class Opened(InBrowser):
         self.browser.run("pccd.state.set({chosen: 0})")
         self.browser.frames(3)
         drawn = dict((tuple(colour), many) for colour, many in self.pixels("#view"))
+        colours = []
         for name in ("first", "second", "normal"):
             colour = self.browser.run("""
                 const at = [...document.querySelectorAll('#detail dt')]
@@ -400,6 +415,13 @@ class Opened(InBrowser):
                 """, name)
             colour = tuple(int(part) for part in colour[4:-1].split(","))
             self.assertGreater(drawn.get(colour, 0), 5, name)
+            colours.append(colour)
+        self.assertApart(colours)
+
+    def assertApart(self, colours):
+        """In grey, too."""
+        self.assertGreater(min(contrast(a, b) for i, a in enumerate(colours)
+                               for b in colours[:i]), 1.5)
 
     # If it failed, nobody could find the contacts of a vertex, a face or an edge.
     def test_find__takes_features_edges_by_their_vertices_and_times(self):
@@ -432,7 +454,8 @@ class Opened(InBrowser):
         facts = self.facts("detail-facts")
         row = next(row for row in self.scene.contacts if int(row["step"]) == number)
         self.assertEqual(facts["first"], f"vertex {row['i0']}, the line is its way")
-        self.assertEqual(facts["drawn by"], f"render --steps {number} --at 'contact 1'")
+        self.assertEqual(shlex.split(facts["drawn by"]), [
+            "pccdctl", "render", NAME, "--steps", str(number), "--at", "contact 1"])
         for name, of in (("place", "a"), ("normal", "n")):
             given = [float(x) for x in facts[name].strip("()").split(",")]
             true = [float(row[of + axis]) for axis in "xyz"]
@@ -450,10 +473,10 @@ class Opened(InBrowser):
         self.set("step", 3)
         self.set("find", "edge")
         self.set("up", "x")
-        self.browser.click("#go-first")
-        self.browser.wait("return location.hash.includes('record=')")
+        self.browser.click("#go-next")
+        self.browser.wait("return location.hash.includes('camera=')")
         self.browser.frames()
-        names = ("index", "chosen", "find", "up", "t")
+        names = ("index", "chosen", "find", "up", "camera", "t")
         values = [self.value(name) for name in names]
         behind = self.browser.run("return location.hash")
         self.open(behind=behind)
@@ -461,8 +484,13 @@ class Opened(InBrowser):
         self.assertEqual(again[:-1], values[:-1])
         self.assertLess(abs(again[-1] - values[-1]), 1e-6)
         self.assertTrue(self.is_seen("detail"))
-        self.open(behind="#step=x&record=-3&t=7&up=q&order=q&pair=9,9")
+        self.open(behind="#step=x&record=-3&t=7&up=q&order=q&pair=9,9&camera=1,,2,0,0,0")
         self.assertEqual((self.value("chosen"), self.value("pair")), (-1, ""))
+        self.assertEqual(self.value("camera"), "")
+
+    # If it failed, a click on a surface would choose what lies behind it, out of sight.
+    def test_click__chooses_nothing_that_a_surface_hides(self):
+        self.assertEqual(self.browser.run(HIDDEN), [-1, True, True])
 
     # If it failed, text over the view, or small and grey text, could not be read; or
     # early contacts not be seen in the dark.
@@ -483,6 +511,9 @@ class Opened(InBrowser):
                     text_pixels = [colour for colour, many in pixels if many > 1]
                     self.assertGreaterEqual(
                         max(contrast(plate, colour) for colour in text_pixels), 4.5)
+            self.assertApart(self.browser.run("""
+                return [...document.querySelectorAll('#detail dd .dot')].map((one) =>
+                  getComputedStyle(one).backgroundColor.match(/\\d+/g).map(Number));"""))
             view = self.browser.run("return getComputedStyle("
                                     "document.querySelector('.stage')).backgroundColor")
             behind = [int(part) for part in view[4:-1].split(",")]
@@ -549,6 +580,19 @@ class Opened(InBrowser):
         self.assertGreater(os.path.getsize(path), 20000)
 
 
+# Of a contact on the pyramid, seen from above: what a click on it chooses while the sheet
+# is above it; whether it chooses it when it sees through, and when the sheet is below.
+HIDDEN = """
+    const step = pccd.data.step(pccd.state.values.index);
+    const {contacts, at0, at1} = step;
+    const stands = (i) => [0, 1, 2].every((k) => at0[3 * i + k] === at1[3 * i + k]);
+    const i = [...contacts.toi.keys()].find((one) => contacts.kind[one] === 0
+      && contacts.toi[one] > 0.3 && contacts.toi[one] < 0.7 && stands(one));
+    pccd.view.lookFrom("0,0,0,0.3,30,0.2");
+    const pick = (t, opacity) => pccd.view.pick(step,
+      {...pccd.state.values, picked: [i], t, opacity}, ...pccd.view.placeOf(step, i, t));
+    return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>
+      done([pick(0, 1), pick(0, 0.28) === i, pick(1, 1) === i]))));"""
 # Colours some pixels above and below the middle of the first contact's dot.
 DOT = """
     const {index, t, picked} = pccd.state.values;
@@ -575,7 +619,12 @@ class Objects(InBrowser):
     # If it failed, objects would have numbers where the user gave them names.
     def test_objects__have_names_and_colours_and_can_be_asked_for(self):
         self.open(self.objects.page)
-        self.assertIn("between 2 pairs of objects", self.text("sentence"))
+        sentence = self.text("sentence")
+        for name in ("peg", POST):
+            self.assertIn(f"between sheet and {name}", sentence)
+        self.assertNotIn("recorded", self.text("chips"))  # it was computed
+        self.assertTrue(self.facts("detail-facts")["drawn by"].startswith(
+            "pccdctl render FILES --steps 1 "))
         both = self.objects.pairs
         for at, (pair, many) in enumerate(sorted(both.items()), 1):
             self.set("pair", f"0,{at}")
@@ -635,6 +684,31 @@ class Objects(InBrowser):
         self.browser.click("#go-first")
         self.assertNotIn("time", self.facts("detail-facts"))
         self.assertEqual(self.browser.said(), [])
+
+    # If it failed, a page would say that nothing meets in what is tangled from the start,
+    # or contradict itself where less than all was asked for.
+    def test_sentence__claims_what_was_asked_and_no_more(self):
+        for frame in (0, 1):
+            with open(os.path.join(All.folder, f"tangled{frame}.obj"), "w") as to:
+                to.write(f"v 0 0 0\nv 1 0 0\nv 0 {1 + frame} 0\nf 1 2 3\n"
+                         "v .25 .25 -1\nv .25 .25 3\nv .375 .5 3\nf 4 5 6\n")
+        frames = ["tangled0.obj", "tangled1.obj"]
+        record_frames("tangled.rec", frames, All.folder)
+        pccdctl("record", "-o", "first.rec", "--", os.environ["PCCDCTL"], "check",
+                "--mode", "first", "--repeat", "0", self.objects.files, folder=All.folder)
+        for files, words, safe in (
+                (frames, "0 contacts, but 2 pairs of features already intersect at the "
+                 "start", "0"),
+                (["tangled.rec"], "0 contacts during the step; what already intersects "
+                 "at its start was not asked with it", "1"),
+                (["first.rec"], ", the earliest; later ones were not asked for", None)):
+            with self.subTest(files=files):
+                pccdctl("inspect", *files, "-o", "said.html", folder=All.folder)
+                self.open(os.path.join(All.folder, "said.html"))
+                self.assertIn(words, self.text("sentence"))
+                self.assertNotIn("meets", self.text("sentence"))
+                if safe:
+                    self.assertEqual(self.facts("facts")["safe step"], safe)
 
 
 # Plates of the view that lie over each other.
@@ -716,7 +790,7 @@ class Phone(InBrowser):
         self.open()
         self.browser.frames(10)
         x, y = self.browser.run("""
-            pccd.state.set({chosen: -1});
+            pccd.state.set({chosen: -1, t: 0.875});
             const {index, picked, t} = pccd.state.values;
             const [x, y] = pccd.view.placeOf(pccd.data.step(index), picked[0], t);
             const {left, top} = document.getElementById('view').getBoundingClientRect();
@@ -725,6 +799,9 @@ class Phone(InBrowser):
         self.browser.wait("return pccd.state.values.chosen >= 0")
         self.browser.frames()
         self.assertIn("place", self.facts("detail-facts"))
+        self.assertEqual(self.value("t"), self.browser.run("""
+            const {index, chosen} = pccd.state.values;
+            return pccd.data.step(index).contacts.toi[chosen];"""))
         box = self.browser.run("""
             const detail = document.getElementById('detail').getBoundingClientRect();
             return [detail.top, detail.bottom];""")
@@ -938,6 +1015,11 @@ class Turning(InBrowser):
     def test_view__draws_what_turns_and_its_contacts_on_arcs(self):
         scene = TurningScene(All.folder)
         self.open(scene.page)
+        facts = self.browser.run("""
+            return [...document.querySelectorAll('#facts .fact')].map((one) =>
+              one.textContent + getComputedStyle(one, '::after').content);""")
+        self.assertIn("no contact begins", facts[0])
+        self.assertIn("on the way that they turn", facts[1])
         self.set("step", 0)
         origin = self.browser.run("return pccd.data.meta.origin")
         areas = []

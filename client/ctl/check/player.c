@@ -99,7 +99,8 @@ static int submit(struct player *player, uint32_t frame, uint64_t *step)
     const struct pccd_step_settings asked = {.struct_bytes =
                                                  sizeof(struct pccd_step_settings),
                                              .threads = settings->threads,
-                                             .hold = settings->holds};
+                                             .hold = settings->holds,
+                                             .tells_start = settings->tells_start};
     uint32_t count = 0;
     for (uint32_t i = 0; i < files->object_count; i++) {
         const struct ctl_mesh *mesh = &player->frames[(size_t)i * files->count + frame];

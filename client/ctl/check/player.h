@@ -21,6 +21,7 @@ struct player_settings {
     uint32_t threads;  /* 0: the daemon decides */
     const char *scene; /* name of one that is shared, to take part in; NULL: a new one */
     bool holds;        /* move with the steps of others there */
+    bool tells_start;  /* ask what intersects at the start of each step, too */
 };
 
 /* All zero before player_read. */

@@ -1,4 +1,5 @@
 /* cmd_demo.c - pccdctl demo. */
+#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -8,6 +9,7 @@
 
 #include "cloth.h"
 #include "ctl.h"
+#include "inspect.h"
 #include "link.h"
 #include "output.h"
 #include "printable.h"
@@ -206,6 +208,19 @@ static void print_table(const struct demo *demo)
            proto_hash_text(PCCD_HASH_VERSION, demo->hash, hash));
 }
 
+/* A picture shows one moment: say how to see all of them, where that can be done. */
+static void print_page_command(void)
+{
+    struct ctl_error error;
+    const char *me = tool_shown(program_invocation_name);
+    if (inspect_has_page(&error) == PCCD_OK) {
+        printf(
+            "to look at it in a browser: %s record -o demo.rec -- %s demo --steps 100 && "
+            "%s inspect demo.rec\n",
+            me, me, me);
+    }
+}
+
 static void print_json(const struct demo *demo)
 {
     char hash[PROTO_HASH_BYTES];
@@ -265,6 +280,7 @@ static int run_demo(const struct demo_options *options, struct ctl_error *error)
         print_json(&demo);
     } else if (status == PCCD_OK) {
         printf("picture     %s\n", tool_shown(options->output));
+        print_page_command();
     }
     whole_file_discard(&file);
     pccd_close(client);

@@ -153,6 +153,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     struct play_summary summary;
     play_options_init(&command.options, "steps");
     command.options.takes_frames = true;
+    command.options.frames.tells_start = true;
     command.options.play.source = PLAY_DAEMON;
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;

@@ -132,6 +132,8 @@ static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
     set_count(object, "possible", answer->possible, ok);
     set_count(object, "initial", answer->initial, ok);
     set_count(object, "inside", answer->inside, ok);
+    set_count(object, "crossings", answer->crossings, ok);
+    set_count(object, "start_inside", answer->start_inside, ok);
     set(object, "safe_step", json_real(answer->safe_step), ok);
     set(object, "crowded", json_boolean(answer->crowded), ok);
     set(object, "toi_first",
@@ -246,6 +248,7 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set_count(object, "scene", step->scene->handle, &ok);
     set_name(object, "recorded", compared, &ok);
     set(object, "answer", answer_of(step->answer, &ok), &ok);
+    set(object, "tells_start", json_boolean(step->tells_start), &ok);
     set(object, "objects",
         inspect_pack_objects(inspect, step->scene, INSPECT_BOTH, meshes), &ok);
     set(object, "joints", inspect_pack_joints(inspect, &step->joints), &ok);
@@ -336,7 +339,6 @@ static json_t *describe_near(struct inspect *inspect, const struct play_near *ne
     json_t *object = json_object();
     enum inspect_moment moment = near->asked->end == 0 ? INSPECT_BEGIN : INSPECT_END;
     json_t *answer = answer_of(near->answer, &ok);
-    set_count(answer, "crossings", near->answer->crossings, &ok);
     set(answer, "distance_min",
         near->answer->distance_min <= 1e18 ? json_real(near->answer->distance_min)
                                            : json_null(),

@@ -97,7 +97,8 @@ int frames_record(struct frames_recording *recording, struct scene *scene,
                   const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error)
 {
-    const struct player_settings settings = {.times = 1};
+    const struct player_settings settings = {.times = 1,
+                                             .tells_start = recording->tells_start};
     struct player player = {.settings = &settings};
     uint32_t count = files->count;
     snprintf(recording->name, sizeof recording->name, "%.*s%s%.*s", NAME_PART,

@@ -12,10 +12,11 @@
 /* Zero before. The file has no name in any folder once it is begun: however the program
  * ends, it is gone then. */
 struct frames_recording {
-    int fd;         /* of the file, while `from` is not "" */
-    char from[32];  /* what opens it, in this process; "": there is none */
-    char name[224]; /* what it is told of as */
-    char **names;   /* ours: of the objects, in the order of their handles */
+    bool tells_start; /* set before: ask what intersects at the start of each step, too */
+    int fd;           /* of the file, while `from` is not "" */
+    char from[32];    /* what opens it, in this process; "": there is none */
+    char name[224];   /* what it is told of as */
+    char **names;     /* ours: of the objects, in the order of their handles */
     uint32_t name_count;
 };
 

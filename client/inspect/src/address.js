@@ -1,6 +1,12 @@
 // address.js - what is looked at, kept in the page's address, so that it can be sent and found again.
 
-const TEXTS = ["find", "pair", "order", "up"];
+const TEXTS = ["find", "pair", "order", "up", "camera"];
+
+/** Whether a text is six numbers: what is looked at, and the way from there to the camera. */
+function isCamera(text) {
+  const numbers = text.split(",").map((part) => (part === "" ? NaN : Number(part)));
+  return numbers.length === 6 && numbers.every((x) => Math.abs(x) < 1e9) && Math.hypot(...numbers.slice(3)) > 0;
+}
 
 /** The part of the state that the address says, as changes for state.set; `step` is a number of the
  * recording, `index` the place of its step in the page. */
@@ -26,6 +32,9 @@ export function readAddress({ meta }) {
   }
   if (values.order !== undefined && !["toi", "record"].includes(values.order)) {
     delete values.order;
+  }
+  if (values.camera !== undefined && !isCamera(values.camera)) {
+    delete values.camera;
   }
   return values;
 }

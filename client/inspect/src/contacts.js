@@ -4,7 +4,7 @@ import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js"
 import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
 import { pickContacts } from "./find.js";
-import { digits, featureText, flagText, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
+import { digits, featureText, firstOf, firstStepOf, flagText, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
 const SPARE = 6; // rows beyond what is seen
@@ -169,8 +169,18 @@ export function moveChoice(state, by) {
   }
 }
 
-/** First, previous, next; and which one of how many that is, in the order of the list. */
-function makeGoing(data, state, fly) {
+/** First, previous, next; and which one of how many that is, in the order of the list. With several
+ * steps also the first contact of all. */
+function makeGoing(data, state, { fly, goTo }) {
+  const earliest = firstStepOf(data);
+  byId("go-earliest").addEventListener("click", async () => {
+    state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", pair: "", playing: false });
+    await goTo(earliest);
+    if (state.values.index === earliest) { // nothing else was asked for meanwhile
+      state.set({ chosen: firstOf(data.step(earliest)) });
+      fly(state.values.chosen);
+    }
+  });
   const goes = { "go-first": -Infinity, "go-previous": -1, "go-next": 1 };
   for (const [id, by] of Object.entries(goes)) {
     byId(id).addEventListener("click", () => {
@@ -181,7 +191,13 @@ function makeGoing(data, state, fly) {
   state.on(["picked", "chosen"], ({ index, picked, chosen, order }) => {
     const place = picked.indexOf(chosen);
     const measure = order === "toi" ? measureOf(data.step(index)) : null;
-    byId("goes").hidden = picked.length === 0 || (picked.length === 1 && place === 0);
+    const isAlone = picked.length === 0 || (picked.length === 1 && place === 0);
+    byId("go-earliest").hidden = earliest < 0 || data.meta.steps.length === 1;
+    byId("go-earliest").disabled = index === earliest && chosen >= 0 && chosen === firstOf(data.step(index));
+    byId("goes").hidden = isAlone && byId("go-earliest").hidden;
+    for (const id of Object.keys(goes)) {
+      byId(id).hidden = isAlone;
+    }
     byId("go-first").disabled = place === 0;
     byId("go-previous").disabled = place <= 0;
     byId("go-next").disabled = place === picked.length - 1;
@@ -236,7 +252,8 @@ function makeFilters(data, state) {
   });
 }
 
-export function makeContacts(data, state, fly) {
+/** `does`: fly and goTo, as of makeKeys. */
+export function makeContacts(data, state, does) {
   const isTouched = window.matchMedia("(pointer: coarse)").matches;
   makeFilters(data, state);
   state.on(["index", "kinds", "range", "order", "pair", "find"], ({ index, ...filters }, changed) => {
@@ -257,7 +274,7 @@ export function makeContacts(data, state, fly) {
     const hint = picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
     byId("picked").textContent = `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
   });
-  makeGoing(data, state, fly);
+  makeGoing(data, state, does);
   makeHistogram(data, state);
-  makeList(data, state, fly);
+  makeList(data, state, does.fly);
 }

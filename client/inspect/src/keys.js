@@ -8,6 +8,13 @@ const TIME_STEP = 0.05;
 /** `does`: what the keys call beside changing the state: fit, fly, closer, copy, goTo. */
 export function makeKeys(data, state, does) {
   const help = byId("help");
+  /** With the keys of what is on the screen. */
+  const openHelp = () => {
+    for (const part of help.querySelectorAll("[data-of]")) {
+      part.hidden = !byId(part.dataset.of).checkVisibility();
+    }
+    help.showModal();
+  };
   const move = (by) => state.set({ t: Math.min(1, Math.max(0, state.values.t + by)), playing: false });
   const level = (by) => {
     const slider = byId("level");
@@ -38,7 +45,7 @@ export function makeKeys(data, state, does) {
     w: () => state.set({ wires: !state.values.wires }),
     t: () => state.set({ thick: !state.values.thick && !byId("thick").hidden }),
     x: () => state.set({ opacity: state.values.opacity < 1 ? 1 : 0.28 }),
-    "?": () => help.showModal(),
+    "?": openHelp,
   };
   document.addEventListener("keydown", (event) => {
     const { target } = event;
@@ -62,6 +69,6 @@ export function makeKeys(data, state, does) {
     event.preventDefault();
     call(event);
   });
-  byId("help-open").addEventListener("click", () => help.showModal());
+  byId("help-open").addEventListener("click", openHelp);
   byId("help-close").addEventListener("click", () => help.close());
 }

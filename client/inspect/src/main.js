@@ -71,6 +71,9 @@ function drawAxes(camera) {
   });
 }
 
+/** The time of what is chosen; what is near has none. */
+const momentOf = (step, i) => ({ t: step.near ? 1 : step.contacts.toi[i], playing: false });
+
 function connectView(data, state, view) {
   const radius = () => view.extentRadius();
   let scene = null;
@@ -104,9 +107,10 @@ function connectView(data, state, view) {
   canvas.addEventListener("pointerup", (event) => {
     const still = event.pointerType === "touch" ? 12 : 4; // pixels that a click may move
     if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < still) {
-      const { index, picked, t } = state.values;
+      const step = data.step(state.values.index);
       const box = canvas.getBoundingClientRect();
-      state.set({ chosen: view.pick(data.step(index), picked, t, event.clientX - box.left, event.clientY - box.top, event.pointerType) });
+      const chosen = view.pick(step, state.values, event.clientX - box.left, event.clientY - box.top, event.pointerType);
+      state.set({ chosen, ...(chosen >= 0 ? momentOf(step, chosen) : {}) });
     }
     down = null;
   });
@@ -191,7 +195,7 @@ async function start() {
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
   const first = {
     index: busiest, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi", find: "", pair: "",
-    picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
+    camera: "", picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
     wires: triangles <= WIRES_MAX, opacity: 1, up: data.meta.up, engine: false, theme: "",
   };
   const said = readAddress(data);
@@ -206,16 +210,19 @@ async function start() {
   };
   dark.addEventListener("change", dress);
   dress();
-  const view = makeView((camera, pin) => {
+  const view = makeView((camera, pin, at) => {
     drawAxes(camera);
     movePin(pin);
+    if (at !== null) {
+      state.set({ camera: at });
+    }
   });
   const flyTo = (i, isClose) => {
     const { index } = state.values;
     if (view && i >= 0) {
       const step = data.step(index);
       byId("view").scrollIntoView({ block: "nearest" }); // on a phone the list is below it
-      state.set({ t: step.near ? 1 : step.contacts.toi[i], playing: false });
+      state.set(momentOf(step, i));
       view.flyToContact(step, i, step.contacts.toi[i], sizeOf(step, i, view.extentRadius()), isClose);
     }
   };
@@ -239,7 +246,7 @@ async function start() {
   byId("thick").hidden = !isThick(data.meta);
   byId("list-part").hidden = steps.every(({ contacts, lines }) => contacts.count === 0 && !lines?.count);
   makeHead(data);
-  makeContacts(data, state, does.fly);
+  makeContacts(data, state, does);
   if (view) {
     connectView(data, state, view);
   }
@@ -255,9 +262,12 @@ async function start() {
   makeToggles(state, does);
   makeKeys(data, state, does);
   const follow = (values) => {
-    const { index, chosen = -1, ...rest } = values;
+    const { index, chosen = -1, camera, ...rest } = values;
     state.set(rest);
     state.set({ chosen: state.values.picked.includes(chosen) ? chosen : -1 });
+    if (camera) {
+      view?.lookFrom(camera);
+    }
   };
   follow(window.location.hash.length > 1 ? said : openingOf(data.step(busiest)));
   keepAddress(data, state, first);

@@ -7,7 +7,7 @@ import { KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
-import { digits, featureText, firstOf, flagText, headOf, measureOf, nounOf, sentenceOf, sideOf } from "./words.js";
+import { digits, featureText, firstOf, flagText, headOf, isOfFiles, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -27,7 +27,7 @@ export function makeHead({ meta }) {
       meta.is_full ? "The page was full: see --every, --steps and --max-size"
         : meta.every > 1 ? `One in ${meta.every}, as --every or --max-size ask` : "in this page, and recorded",
       meta.is_full ? "warn" : ""),
-    chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), "recorded, UTC"),
+    chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), isOfFiles(meta) ? "computed from the files, UTC" : "recorded, UTC"),
     chip(`libpccd ${recording.library}`, "that recorded"),
     chip(recording.cpu || "?", "instruction set of the daemon that answered then"),
   ];
@@ -37,15 +37,25 @@ export function makeHead({ meta }) {
   if (meta.is_rounded) {
     chips.push(chip("16-bit positions", "written with --round"));
   }
-  chips.push(differ > 0
-    ? chip(plural(differ, "answer differs", "answers differ"), "from those that were recorded", "bad")
-    : compared > 0 ? chip("✓ answers as recorded", "every hash is the recorded one", "good")
+  if (differ > 0) {
+    chips.push(chip(plural(differ, "answer differs", "answers differ"),
+      isOfFiles(meta) ? "when it is computed again" : "from those that were recorded", "bad"));
+  } else if (!isOfFiles(meta)) {
+    chips.push(compared > 0 ? chip("✓ answers as recorded", "every hash is the recorded one", "good")
       : chip("not compared", "the recording holds no answers to compare with", "warn"));
+  }
   byId("chips").replaceChildren(...chips);
 }
 
 function fact(name, value, title = "") {
   return element("div", { className: "fact", title }, element("span", {}, name), element("b", {}, value));
+}
+
+/** One with a line of its own, which says what it means. */
+function plainFact(...of) {
+  const made = fact(...of);
+  made.classList.add("plain");
+  return made;
 }
 
 /** What else is known of an answer about what is near: crossings, if they were asked for. */
@@ -72,9 +82,10 @@ function thickFacts({ answer, separation, approach }) {
 /** What is worth a line of a step's answer, beside its sentence. */
 function stepFacts({ answer, turns }) {
   const isTimed = !["pairs", "any"].includes(answer.mode);
+  const isCrossed = answer.crossings + answer.start_inside > 0;
   return [
-    ...(isTimed ? [fact("safe step", digits(answer.safe_step), "up to this t nothing meets")] : []),
-    ...(turns ? [fact("bodies on joints", "on their arcs", "they, and contacts on them, are drawn where they turn; boxes of hierarchies go straight from t = 0 to 1")] : []),
+    ...(isTimed ? [plainFact("safe step", digits(answer.safe_step), isCrossed ? "there is none from such a start" : "before this t no contact begins")] : []),
+    ...(turns ? [plainFact("turning bodies", "on arcs", "drawn on the way that they turn, with their contacts; boxes of hierarchies go straight")] : []),
     ...(answer.initial > 0 ? [fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance")] : []),
     ...(answer.possible > 0 ? [fact("possible", count(answer.possible), "not proved")] : []),
   ];
@@ -99,7 +110,8 @@ export function makeAnswer(data, state) {
     );
     const hash = byId("hash");
     hash.textContent = answer.hash;
-    hash.title = { same: "the recorded hash", other: "not the recorded hash", none: "nothing to compare with" }[step.recorded];
+    const known = isOfFiles(data.meta) ? "hash of the first time" : "recorded hash";
+    hash.title = { same: `the ${known}`, other: `not the ${known}`, none: "nothing to compare with" }[step.recorded];
     hash.className = { same: "good", other: "bad", none: "" }[step.recorded];
     const parts = partsOf(answer);
     byId("phases").replaceChildren(...parts.filter(([, ns]) => ns > 0).map(([name, ns]) => {
@@ -139,7 +151,7 @@ function recordFacts(step, i, meta) {
     ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
     ...(measure && (step.near || apart > 0) ? [["distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
-    ...(measure?.name === "time" ? [["drawn by", `render --steps ${step.number} --at 'contact ${i + 1}'`]] : []),
+    ...(measure?.name === "time" ? [["drawn by", renderText(step, i, meta)]] : []),
   ];
 }
 
@@ -174,7 +186,8 @@ export function makeDetail(data, state, does) {
     if (isShown) {
       const [one] = nounOf(step);
       const noun = one === "contact" ? "contact" : "record";
-      byId("detail-head").textContent = chosen === firstOf(step) ? `First ${noun}` : `${noun[0].toUpperCase()}${noun.slice(1)}`;
+      const which = data.meta.steps.length === 1 ? "" : step.near ? " of this question" : " of this step";
+      byId("detail-head").textContent = chosen === firstOf(step) ? `First ${noun}${which}` : `${noun[0].toUpperCase()}${noun.slice(1)}`;
       byId("detail-facts").replaceChildren(...recordFacts(step, chosen, data.meta).flatMap(([name, text]) => {
         const dot = element("i", { className: "dot square", title: "its colour in the view" });
         const drawn = drawnAs(step, chosen, name);

@@ -1,11 +1,11 @@
 // scene.js - the three-dimensional view: camera, ground, and what is drawn.
 
-import { Color, Group, Matrix4, Mesh, PerspectiveCamera, PlaneGeometry, Scene, Vector3,
+import { Color, Group, Matrix4, Mesh, PerspectiveCamera, PlaneGeometry, Ray, Scene, Vector3,
   WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { makeBoxes } from "./boxes.js";
-import { contactAt } from "./data.js";
+import { contactAt, verticesAt } from "./data.js";
 import { colourOf, oncePerFrame } from "./dom.js";
 import { makeMarks } from "./marks.js";
 import { extentOf, makeObjects } from "./objects.js";
@@ -17,6 +17,9 @@ const LEGEND_PART = 0.07; // of the half height: so much higher it is seen, abov
 const POINT_MAX = 11; // pixels across
 const POINT_MIN = 5;
 const PICK_PIXELS = { mouse: 14, touch: 30 };
+const PICK_SAME = 5; // pixels: contacts of a ring so wide are equally far from the pointer
+const PICK_MOST = 32; // contacts of which it is asked whether a surface hides them
+const BEHIND_LEAST = 2e-3; // of the way from the eye: what lies on a surface is not behind it
 const FLY_PART = 0.8; // of the distance from which all is seen: the rest is cut at the sides
 const CLOSE = 22; // sizes of a contact's features away from it
 
@@ -33,7 +36,8 @@ function viewDirection(up) {
   return new Vector3(...direction).normalize();
 }
 
-/** Throws where there is no WebGL. */
+/** Throws where there is no WebGL. `onMove(camera, pin, at)`: after each picture; `at`: where the
+ * camera rests, for lookFrom ("": where everything is seen), or null while it moves. */
 export function makeScene(canvas, onMove) {
   const renderer = new WebGLRenderer({ canvas, antialias: true });
   const scene = new Scene();
@@ -53,6 +57,7 @@ export function makeScene(canvas, onMove) {
   let extent = null;
   let pin = null; // {step, i}: what is chosen
   let pointSize = POINT_MAX;
+  let isFitted = true; // and nobody has moved the camera since
   ground.renderOrder = -1;
   scene.add(ground, group);
   renderer.outputColorSpace = "srgb-linear"; // colours are what the screen shows
@@ -66,6 +71,9 @@ export function makeScene(canvas, onMove) {
     controls.enableDamping = true;
     controls.dampingFactor = 0.12;
     controls.addEventListener("change", () => draw());
+    controls.addEventListener("start", () => {
+      isFitted = false;
+    });
   }
 
   function fly(now) {
@@ -74,6 +82,12 @@ export function makeScene(canvas, onMove) {
     controls.target.lerpVectors(flight.fromTarget, flight.toTarget, eased);
     camera.position.lerpVectors(flight.fromAt, flight.toAt, eased);
     flight = share < 1 ? flight : null;
+  }
+
+  /** What the camera looks at, and where it is from there. */
+  function cameraText() {
+    const away = camera.position.clone().sub(controls.target);
+    return isFitted ? "" : [...controls.target.toArray(), ...away.toArray()].map((x) => Number(x.toPrecision(6))).join();
   }
 
   const draw = oncePerFrame(() => {
@@ -86,7 +100,7 @@ export function makeScene(canvas, onMove) {
     camera.far = away * 20 + (extent ? 20 * extent.radius : 0);
     camera.updateProjectionMatrix();
     renderer.render(scene, camera);
-    onMove(camera, pin && placeOf(pin.step, pin.i, uniforms.t.value));
+    onMove(camera, pin && placeOf(pin.step, pin.i, uniforms.t.value), moves ? null : cameraText());
     if (moves) {
       draw();
     }
@@ -133,6 +147,24 @@ export function makeScene(canvas, onMove) {
       away = Math.max(away, aside + at.dot(direction));
     }
     return away;
+  }
+
+  /** Whether one of these surfaces lies between the eye and a place. */
+  function isBehind(surfaces, place) {
+    const to = new Vector3(...place).sub(camera.position);
+    const far = to.length() * (1 - BEHIND_LEAST);
+    const ray = new Ray(camera.position, to.normalize());
+    const corners = [new Vector3(), new Vector3(), new Vector3()];
+    const met = new Vector3();
+    return surfaces.some(({ at, triangles }) => {
+      for (let i = 0; i < triangles.length; i += 3) {
+        corners.forEach((corner, k) => corner.fromArray(at, 3 * triangles[i + k]));
+        if (ray.intersectTriangle(...corners, false, met) && met.distanceTo(camera.position) < far) {
+          return true;
+        }
+      }
+      return false;
+    });
   }
 
   const view = {
@@ -182,6 +214,7 @@ export function makeScene(canvas, onMove) {
         const above = upVector(up).addScaledVector(direction, -upVector(up).dot(direction)).normalize();
         const lift = LEGEND_PART * away * Math.tan((camera.fov * Math.PI) / 360);
         const target = extent.middle.clone().addScaledVector(above, -lift);
+        isFitted = true;
         flyTo(target, target.clone().addScaledVector(direction, away), isAtOnce);
       }
     },
@@ -195,8 +228,15 @@ export function makeScene(canvas, onMove) {
         normal.negate();
       }
       direction.addScaledVector(normal, 0.6).addScaledVector(camera.up, 0.15).normalize();
+      isFitted = false;
       const seen = extent ? FLY_PART * distanceToSee({ ...extent, middle: at }, direction) : 0;
       flyTo(at, at.clone().addScaledVector(direction, isClose ? CLOSE * size : Math.max(seen, CLOSE * size)));
+    },
+    /** Look from where the camera was; `text` as it was told to onMove. */
+    lookFrom(text) {
+      const [target, away] = [0, 3].map((from) => new Vector3(...text.split(",").slice(from, from + 3).map(Number)));
+      isFitted = false;
+      flyTo(target, away.add(target), true);
     },
     /** Which part of the vertices of a step is in the picture. */
     partInSight({ objects }) {
@@ -239,23 +279,20 @@ export function makeScene(canvas, onMove) {
       draw();
       return count;
     },
-    /** The contact of `picked` that is nearest to a place on the canvas; -1: none near. A finger is
-     * wider than a mouse. */
-    pick(step, picked, t, x, y, pointer) {
-      const reach = (PICK_PIXELS[pointer] ?? PICK_PIXELS.mouse) ** 2;
-      let best = -1;
-      let least = reach;
-      let nearest = Infinity;
-      for (const i of picked) {
+    /** The contact of `picked` that is nearest to a place on the canvas, of those at about the same
+     * place the nearest to the eye, and not behind a surface of an object that is not in `hidden`, unless
+     * one sees through them; -1: none near. A finger is wider than a mouse. */
+    pick(step, { picked, t, hidden, opacity }, x, y, pointer) {
+      const reach = PICK_PIXELS[pointer] ?? PICK_PIXELS.mouse;
+      const seen = opacity < 1 ? [] : step.objects.filter(({ handle }) => !hidden.has(handle))
+        .map((object) => ({ at: verticesAt(object, t), triangles: object.mesh.triangles }));
+      return picked.map((i) => {
         const [atX, atY, depth] = placeOf(step, i, t);
-        const away = (atX - x) ** 2 + (atY - y) ** 2;
-        if (depth < 1 && away < reach && (away < least * 0.6 || (away < least * 1.4 && depth < nearest))) {
-          best = i;
-          least = Math.max(away, 4);
-          nearest = depth;
-        }
-      }
-      return best;
+        return { i, depth, away: Math.hypot(atX - x, atY - y) };
+      }).filter(({ depth, away }) => depth < 1 && away < reach)
+        .sort((a, b) => Math.floor(a.away / PICK_SAME) - Math.floor(b.away / PICK_SAME) || a.depth - b.depth)
+        .slice(0, PICK_MOST)
+        .find(({ i }) => !isBehind(seen, contactAt(step, i, t)))?.i ?? -1;
     },
     /** Where a contact is seen, in pixels of the canvas. */
     placeOf: (step, i, t) => placeOf(step, i, t),

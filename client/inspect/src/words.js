@@ -56,12 +56,23 @@ export function pairsOf({ contacts, objects }) {
   return [...pairs.values()].sort((one, other) => other.count - one.count || one.key - other.key);
 }
 
+const PAIRS_NAMED = 3; // in a sentence; of more it says how many there are
+
 /** " between cloth and ball", of all records of a step; "" where there is one object. */
 function whereText(step) {
   const pairs = pairsOf(step);
   return step.objects.length < 2 || pairs.length === 0 ? ""
-    : pairs.length === 1 ? ` between ${pairText(step, pairs[0].a, pairs[0].b)}`
+    : pairs.length <= PAIRS_NAMED ? ` between ${pairs.map(({ a, b }) => pairText(step, a, b)).join(", and between ")}`
       : ` between ${plural(pairs.length, "pair", "pairs")} of objects`;
+}
+
+/** What a step was told of its start, before anything moves; "": nothing intersects there. */
+function startText({ answer, tells_start: isTold }, hasNone) {
+  const { crossings, start_inside: inside } = answer;
+  return !isTold ? (hasNone ? " during the step; what already intersects at its start was not asked with it" : "")
+    : crossings > 0 ? `, but ${plural(crossings, "pair", "pairs")} of features already ${crossings === 1 ? "intersects" : "intersect"} at the start`
+      : inside > 0 ? `, but ${plural(inside, "pair", "pairs")} of features ${inside === 1 ? "is" : "are"} already within their distance at the start`
+        : hasNone ? ": nothing meets" : "";
 }
 
 /** What a question about what is near asked for: its records as [one, many]. */
@@ -90,6 +101,20 @@ export function firstOf(step) {
     : toi.reduce((first, its, i) => (first < 0 || its < toi[first] ? i : first), -1);
 }
 
+/** The place of the first step of a page that has a contact with a time; -1: none has. */
+export const firstStepOf = ({ meta: { steps } }) =>
+  steps.findIndex(({ near, answer }) => !near && answer.toi_first !== null);
+
+/** Whether a page was computed from files: these alone have names of objects. */
+export const isOfFiles = ({ names }) => names.length > 0;
+
+/** The command that draws a record of a step; files that were given are not known by their places. */
+export function renderText({ number }, i, meta) {
+  const { name } = meta.recording;
+  const file = isOfFiles(meta) ? "FILES" : /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
+  return `pccdctl render ${file} --steps ${number} --at 'contact ${i + 1}'`;
+}
+
 /** What the records of a step are called: [one, many]. */
 export const nounOf = (step) => (step.near ? nearNoun(step)
   : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
@@ -102,13 +127,13 @@ export function sentenceOf(step, last) {
   const cut = answer.status !== "OK" ? `: ${answer.status}`
     : INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
   if (!near && answer.mode === "any") {
-    return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does"][answer.verdict]}${cut}`];
+    return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does"][answer.verdict]}${startText(step, answer.verdict === 0)}${cut}`];
   }
   const [one, many] = nounOf(step);
-  const asked = { first: ", as only the first was asked for", "first-per-pair": ", the first of each two objects" }[answer.mode] ?? "";
+  const asked = { first: ", the earliest; later ones were not asked for", "first-per-pair": "; of each two objects only their first was asked for" }[answer.mode] ?? "";
   const first = near && answer.distance_min !== null ? `; the least distance is ${digits(answer.distance_min)}`
-    : !near && answer.toi_first !== null ? `, the first at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
+    : !near && answer.toi_first !== null ? `${answer.mode === "first" ? "" : ", the first"} at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
   const none = near === "vertices" ? "; pccdctl near --csv - lists them"
-    : !near && answer.total === 0 && !cut ? ": nothing meets" : "";
-  return [before, answer.total, ` ${answer.total === 1 ? one : many}${whereText(step)}${first}${asked}${none}${cut}`];
+    : !near ? startText(step, answer.total === 0 && !cut) : "";
+  return [before, answer.total, ` ${answer.total === 1 ? one : many}${whereText(step)}${first}${answer.total > 0 ? asked : ""}${none}${cut}`];
 }
