@@ -79,11 +79,30 @@ struct sum {
     bool have_trees;  /* all objects */
 };
 
-/* Return whether an object goes farther than half of its size, about. */
+/* Return how far poses take corners of a mesh beside its middle, at most along an
+ * axis. */
+static double turn_of(const struct eng_object *object)
+{
+    const struct eng_bounds *bounds = &object->mesh->bounds;
+    const double(*m)[12] = (const double(*)[12])object->poses->last;
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        double way = 0;
+        for (int k = 0; k < 3; k++) {
+            way += fabs(m[1][4 * i + k] - m[0][4 * i + k]) *
+                   (0.5 * bounds->high[k] - 0.5 * bounds->low[k]);
+        }
+        most = fmax(most, way);
+    }
+    return most;
+}
+
+/* Return whether an object, or a corner of it, goes farther than half of its size,
+ * about. */
 static bool goes_far(const struct eng_object *object)
 {
     const struct eng_bounds *bounds = object->bounds;
-    double way = 0;
+    double way = object->has_poses ? turn_of(object) : 0;
     for (int k = 0; k < 3; k++) {
         way = fmax(way, fmin(fabs(bounds[1].low[k] - bounds[0].low[k]),
                              fabs(bounds[1].high[k] - bounds[0].high[k])));

@@ -496,3 +496,69 @@ CASE(rigid__what_rounding_brings_together_meets)
         check_rounded(&of_factors, by_bodies);
     }
 }
+
+#define SIDE   24u
+#define ACROSS (SIDE + 1)
+
+/* Two sheets turn about their middles in a step, one above the other. */
+static void turn_sheets(struct player *player, double from, double to)
+{
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct eng_step_result result;
+    settings.mode = PCCD_MODE_ALL;
+    for (uint32_t i = 0; i < 2; i++) {
+        struct play_act pose = {
+            .what = PLAY_RIGID, .object_id = i, .vertex_count = ACROSS * ACROSS};
+        for (int end = 0; end < 2; end++) {
+            double angle = end == 0 ? from : to;
+            double *m = pose.m[end];
+            m[0] = m[5] = cos(angle);
+            m[1] = -sin(angle);
+            m[4] = sin(angle);
+            m[10] = 1;
+            m[11] = 4.0 * i;
+        }
+        player_act(player, &pose);
+    }
+    assert_int_equal(player_step(player, &settings, &result), PCCD_OK);
+}
+
+/* If this failed, bodies that turn by much in a step would be tested in body space, where
+ * that takes several times as long: their leaves sweep by far more than their size. */
+CASE(rigid__what_turns_far_is_not_tested_in_body_space)
+{
+    static double x[ACROSS * ACROSS][3];
+    static uint32_t triangles[2 * SIDE * SIDE][3];
+    struct player player;
+    for (uint32_t i = 0; i < ACROSS * ACROSS; i++) {
+        x[i][0] = (double)(i % ACROSS) / SIDE - 0.5;
+        x[i][1] = (double)(i / ACROSS) / SIDE - 0.5;
+    }
+    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+        uint32_t v = i / SIDE * ACROSS + i % SIDE;
+        uint32_t w = v + ACROSS;
+        uint32_t two[2][3] = {{v, v + 1, w}, {v + 1, w + 1, w}};
+        memcpy(triangles[2 * i], two, sizeof two);
+    }
+    player_init(&player, NULL);
+    for (uint32_t i = 0; i < 2; i++) {
+        player_act(&player, &(struct play_act){.what = PLAY_ADD,
+                                               .object_id = i,
+                                               .vertex_count = ACROSS * ACROSS,
+                                               .triangle_count = 2 * SIDE * SIDE,
+                                               .x0 = x,
+                                               .triangles = triangles});
+        filters_set(&player.filters, player.scene,
+                    (struct filters_place){i, player.objects[i].idx},
+                    (struct eng_object_filter){1, 1, false});
+    }
+    double angle = 0;
+    for (int step = 0; step < 100 && !way_was_by_bodies(player.scene); step++) {
+        turn_sheets(&player, angle, angle + 0.1);
+        angle += 0.1;
+    }
+    assert_true(way_was_by_bodies(player.scene));
+    turn_sheets(&player, angle, angle + 1);
+    assert_false(way_was_by_bodies(player.scene));
+    player_deinit(&player);
+}
