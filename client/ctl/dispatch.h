@@ -13,6 +13,7 @@
 #include <stdio.h>
 
 #include "option_table.h"
+#include "pccd.h" /* the version */
 
 struct ctl_command {
     const char *name;
