@@ -588,7 +588,7 @@ HIDDEN = """
     const stands = (i) => [0, 1, 2].every((k) => at0[3 * i + k] === at1[3 * i + k]);
     const i = [...contacts.toi.keys()].find((one) => contacts.kind[one] === 0
       && contacts.toi[one] > 0.3 && contacts.toi[one] < 0.7 && stands(one));
-    pccd.view.lookFrom("0,0,0,0.3,30,0.2");
+    pccd.view.lookFrom("0,0,0,0.1,9,0.1");
     const pick = (t, opacity) => pccd.view.pick(step,
       {...pccd.state.values, picked: [i], t, opacity}, ...pccd.view.placeOf(step, i, t));
     return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>

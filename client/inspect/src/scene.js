@@ -18,8 +18,6 @@ const POINT_MAX = 11; // pixels across
 const POINT_MIN = 5;
 const PICK_PIXELS = { mouse: 14, touch: 30 };
 const PICK_SAME = 5; // pixels: contacts of a ring so wide are equally far from the pointer
-const PICK_MOST = 32; // contacts of which it is asked whether a surface hides them
-const BEHIND_LEAST = 2e-3; // of the way from the eye: what lies on a surface is not behind it
 const FLY_PART = 0.8; // of the distance from which all is seen: the rest is cut at the sides
 const CLOSE = 22; // sizes of a contact's features away from it
 
@@ -149,22 +147,41 @@ export function makeScene(canvas, onMove) {
     return away;
   }
 
-  /** Whether one of these surfaces lies between the eye and a place. */
-  function isBehind(surfaces, place) {
-    const to = new Vector3(...place).sub(camera.position);
-    const far = to.length() * (1 - BEHIND_LEAST);
-    const ray = new Ray(camera.position, to.normalize());
-    const corners = [new Vector3(), new Vector3(), new Vector3()];
-    const met = new Vector3();
-    return surfaces.some(({ at, triangles }) => {
+  /** The triangles of objects that may hide something within so many pixels of a place on the canvas:
+   * [[corner, corner, corner], ...]. */
+  function trianglesAround(objects, t, [x, y], pixels) {
+    const toward = new Vector3((2 * x) / canvas.clientWidth - 1, 1 - (2 * y) / canvas.clientHeight, 0.5).unproject(camera);
+    const ray = new Ray(camera.position, toward.sub(camera.position).normalize());
+    const spread = pixels * uniforms.pixel.value; // for each unit of the way from the eye
+    const [p, q, r, middle] = Array.from({ length: 4 }, () => new Vector3());
+    const found = [];
+    for (const object of objects) {
+      const at = verticesAt(object, t);
+      const { triangles } = object.mesh;
       for (let i = 0; i < triangles.length; i += 3) {
-        corners.forEach((corner, k) => corner.fromArray(at, 3 * triangles[i + k]));
-        if (ray.intersectTriangle(...corners, false, met) && met.distanceTo(camera.position) < far) {
-          return true;
+        p.fromArray(at, 3 * triangles[i]);
+        q.fromArray(at, 3 * triangles[i + 1]);
+        r.fromArray(at, 3 * triangles[i + 2]);
+        middle.copy(p).add(q).add(r).divideScalar(3);
+        const size = Math.sqrt(Math.max(...[p, q, r].map((corner) => corner.distanceToSquared(middle))));
+        const room = size + spread * (middle.distanceTo(camera.position) + size);
+        if (ray.distanceSqToPoint(middle) <= room * room) {
+          found.push([p.clone(), q.clone(), r.clone()]);
         }
       }
-      return false;
-    });
+    }
+    return found;
+  }
+
+  /** Whether one of these triangles lies between the eye and the dot of a contact, which pointMaterial
+   * draws somewhat nearer to the eye. */
+  function isBehind(triangles, place) {
+    const to = new Vector3(...place).sub(camera.position);
+    const far = to.length() * (1 - Math.max(0.004, 1.5 * uniforms.size.value * uniforms.pixel.value));
+    const ray = new Ray(camera.position, to.normalize());
+    const met = new Vector3();
+    return triangles.some((corners) =>
+      ray.intersectTriangle(...corners, false, met) && met.distanceTo(camera.position) < far);
   }
 
   const view = {
@@ -284,15 +301,14 @@ export function makeScene(canvas, onMove) {
      * one sees through them; -1: none near. A finger is wider than a mouse. */
     pick(step, { picked, t, hidden, opacity }, x, y, pointer) {
       const reach = PICK_PIXELS[pointer] ?? PICK_PIXELS.mouse;
-      const seen = opacity < 1 ? [] : step.objects.filter(({ handle }) => !hidden.has(handle))
-        .map((object) => ({ at: verticesAt(object, t), triangles: object.mesh.triangles }));
-      return picked.map((i) => {
+      const near = picked.map((i) => {
         const [atX, atY, depth] = placeOf(step, i, t);
         return { i, depth, away: Math.hypot(atX - x, atY - y) };
       }).filter(({ depth, away }) => depth < 1 && away < reach)
-        .sort((a, b) => Math.floor(a.away / PICK_SAME) - Math.floor(b.away / PICK_SAME) || a.depth - b.depth)
-        .slice(0, PICK_MOST)
-        .find(({ i }) => !isBehind(seen, contactAt(step, i, t)))?.i ?? -1;
+        .sort((a, b) => Math.floor(a.away / PICK_SAME) - Math.floor(b.away / PICK_SAME) || a.depth - b.depth);
+      const seen = opacity < 1 || near.length === 0 ? [] : step.objects.filter(({ handle }) => !hidden.has(handle));
+      const triangles = trianglesAround(seen, t, [x, y], reach);
+      return near.find(({ i }) => !isBehind(triangles, contactAt(step, i, t)))?.i ?? -1;
     },
     /** Where a contact is seen, in pixels of the canvas. */
     placeOf: (step, i, t) => placeOf(step, i, t),
