@@ -275,7 +275,7 @@ FILE *columns_fitted(FILE *to)
     static struct fitted fitted;
     static FILE *stream;
     const cookie_io_functions_t functions = {.write = write_fitted};
-    if (isatty(fileno(to)) != 1) {
+    if (!terminal_has_size(fileno(to))) {
         return to;
     }
     if (stream == NULL) {

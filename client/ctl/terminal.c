@@ -67,6 +67,12 @@ void terminal_size(int fd, uint32_t *columns, uint32_t *rows)
     *rows = is_told && size.ws_row > 0 ? size.ws_row : 24;
 }
 
+bool terminal_has_size(int fd)
+{
+    struct winsize size = {.ws_col = 0};
+    return isatty(fd) == 1 && ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+}
+
 void terminal_redraw(void)
 {
     fputs("\033[H\033[J", stdout);

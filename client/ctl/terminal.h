@@ -24,6 +24,8 @@ bool terminal_has_live_errors(void);
 /* Tell the columns and rows of the terminal behind a descriptor; 80 and 24 if it does
  * not. */
 void terminal_size(int fd, uint32_t *columns, uint32_t *rows);
+/* Return whether it is a terminal whose size is known; that of mpirun's ranks is not. */
+bool terminal_has_size(int fd);
 /* Begin to draw it anew, from the top; what was below goes. */
 void terminal_redraw(void);
 

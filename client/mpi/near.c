@@ -60,7 +60,10 @@ static int check(struct pccd_mpi *world, const struct pccd_near_settings *near)
     if (status == PCCD_OK && is_nearest) {
         status = check_length(world, "gap", near->gap);
     }
-    return status == PCCD_OK ? check_objects(world, near) : status;
+    status = status == PCCD_OK ? check_objects(world, near) : status;
+    return status == PCCD_OK && common_near_is_of_objects(near->what)
+               ? ranks_check_triangles(world, near)
+               : status;
 }
 
 static uint64_t hash_of(const struct pccd_near_settings *near)

@@ -39,18 +39,16 @@ bool ranks_is_asked_with_any(const struct ranks_pairing *pairing, uint32_t a)
     return is_asked;
 }
 
-/* Searches go down the triangles of objects. Of several that have more, the one of the
- * lowest handle is named. */
-static int check_triangles(const struct ranks_pairing *pairing)
+int ranks_check_triangles(struct pccd_mpi *world, const struct pccd_near_settings *near)
 {
-    struct pccd_mpi *world = pairing->world;
+    const struct ranks_pairing pairing = {.world = world, .near = near};
     const struct ranks_object *wrong = NULL;
     for (uint32_t o = 0; o < world->object_count; o++) {
         const struct ranks_object *object = world->objects[o];
         const struct pccd_mesh_info *info = &object->mesh->info;
         if (info->free_edge_count + info->free_point_count > 0 &&
             (wrong == NULL || object->handle < wrong->handle) &&
-            ranks_is_asked_with_any(pairing, o)) {
+            ranks_is_asked_with_any(&pairing, o)) {
             wrong = object;
         }
     }
@@ -61,7 +59,7 @@ static int check_triangles(const struct ranks_pairing *pairing)
                             " has free edges or points: %s "
                             "is answered for meshes of triangles alone",
                             wrong->handle,
-                            pairing->near->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");
+                            near->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");
 }
 
 /* ---- for both ---------------------------------------------------------------------- */
@@ -250,11 +248,8 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
     struct ranks_side_scene side = {.count = 0};
     struct ranks_pairing pairing = {.world = world, .near = near};
     uint64_t begin_ns = common_now_ns();
-    int status = ranks_agree_on(&world->link, check_triangles(&pairing));
-    if (status == PCCD_OK) {
-        status = ranks_positions_fetch(world, near->end == 1 ? RANKS_END : RANKS_BEGIN,
-                                       &pairing.x);
-    }
+    int status = ranks_positions_fetch(
+        world, near->end == 1 ? RANKS_END : RANKS_BEGIN, &pairing.x);
     if (status == PCCD_OK) {
         status = ranks_agree_on(
             &world->link,

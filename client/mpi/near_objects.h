@@ -50,6 +50,10 @@ void ranks_side_scene_vertex(const struct pccd_mpi *world,
 /* Return the place of an object in world->objects, by its handle. */
 uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
 
+/* Refuse meshes that have more than triangles, down which searches go: of several the one
+ * of the object with the lowest handle is named. PCCD_E_INVAL. */
+int ranks_check_triangles(struct pccd_mpi *world, const struct pccd_near_settings *near);
+
 /* Collective. Answer for where objects begin or end by object->from and object->to, to
  * world->records and *answer. Errors: those of pccd_ask_near. */
 int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_settings *near,
