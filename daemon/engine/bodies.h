@@ -18,7 +18,7 @@
 #include "world.h"
 
 /* Return whether the step that is staged may be one, as far as is known before anything
- * moves. */
+ * moves. Trees that the step before wanted (eng_bodies_share) are wanted no more. */
 bool eng_bodies_may(const struct eng_scene *scene, const struct eng_question *question);
 
 /* Return whether it is, if the last answer tells of what stands or nothing does, when the
