@@ -49,7 +49,9 @@ static void place_of(const struct ctl_mesh *mesh, uint32_t vertex, double x[3])
     }
 }
 
-/* Unite on all ranks the bits that one of them has; or find the largest of numbers. */
+/* Unite on all ranks the bits that one of them has; or find the largest of numbers. Of
+ * each there are fewer than 2^31, which MPI can count: bits are bytes of a table, or
+ * vertices of a mesh (CTL_MESH_COUNT_MAX). */
 static void unite(void *what, uint64_t count, MPI_Datatype type, MPI_Op op)
 {
     MPI_Request request;

@@ -10,8 +10,9 @@
 #include "ctl.h"
 #include "pccd_types.h"
 
-#define PAUSE_NS     20000   /* between two looks for what was waited for: at first, */
-#define PAUSE_NS_MAX 1000000 /* and at most */
+#define PAUSE_NS     20000      /* between two looks for what was waited for: at first, */
+#define PAUSE_NS_MAX 1000000    /* and at most */
+#define CHUNK_BYTES  (1u << 30) /* of a message: MPI counts them by an int */
 
 int together_rank(void)
 {
@@ -41,9 +42,12 @@ void together_wait(MPI_Request *request)
 
 void together_tell(void *what, size_t bytes)
 {
-    MPI_Request request;
-    MPI_Ibcast(what, (int)bytes, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
-    together_wait(&request);
+    for (size_t done = 0; done < bytes; done += CHUNK_BYTES) {
+        MPI_Request request;
+        int length = (int)(bytes - done < CHUNK_BYTES ? bytes - done : CHUNK_BYTES);
+        MPI_Ibcast((char *)what + done, length, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+        together_wait(&request);
+    }
 }
 
 void together_add(uint32_t *count)
