@@ -6,6 +6,7 @@
 
 #include "chunk.h"
 #include "fixture.h"
+#include "forge.h"
 #include "must.h"
 #include "reader.h"
 #include "recording.h"
@@ -16,6 +17,8 @@
 #define SHORT 1.03125
 
 static char forged[112];
+static double begins; /* the angle from which the door turns, and tells how; 0 */
+static double approach;
 
 static int set_up(void **state)
 {
@@ -68,6 +71,11 @@ static void record_clear(double angle, enum pccd_mode mode, double clearance,
     assert_ok(pccd_joints_screw((double[3]){0, 0, 0}, (double[3]){0, 0, 1}, angle, 0,
                                 PCCD_NO_JOINT, joints, &count));
     const struct pccd_motion motion = {.object = door, .first = count - 1, .count = 4};
+    for (uint32_t i = 0; i < count && begins != 0; i++) {
+        joints[i].from[0] = joints[i].kind == PCCD_JOINT_TURN ? begins : 0;
+    }
+    settings.tells_start = begins != 0;
+    settings.approach = approach;
     settings.mode = mode;
     settings.joints = joints;
     settings.joint_count = count;
@@ -189,4 +197,62 @@ CASE(verify_turning__knows_clearances)
     assert_wrong("a contact is missing in the answer");
     record_clear(0.75, PCCD_MODE_ANY, near, 0);
     assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
+}
+
+/* If it failed, a door that begins within its clearance of the post, and may come to half
+ * of that, would be taken to meet it sooner or later than it does. */
+CASE(verify_turning__knows_what_comes_nearer_by_its_part)
+{
+    const double far = 0.75; /* some of it begins at 0.5 sin ANGLE = 0.45 */
+    char said[8192];
+
+    approach = 0.5;
+    record_clear(PI / 2, PCCD_MODE_ALL, far, 13);
+    assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
+    assert_int_equal(test_ctl_number(said, "contacts"), 13);
+    forge(far, 1.5);
+    assert_wrong("within their distance is told wrongly");
+    forge(PI / 2, 2);
+    assert_wrong("meet before the record's time");
+    forge(PI / 2, 1.5);
+    assert_wrong("are apart until after its time");
+    record_clear(0.28125, PCCD_MODE_ALL, far, 0);
+    assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
+    forge(0.28125, PI / 2);
+    approach = 0;
+    assert_wrong("a contact is missing in the answer");
+}
+
+static bool is_called_free(void *context, struct forge_chunk *chunk)
+{
+    (void)context;
+    if (chunk->kind == RECORD_ANSWER) {
+        struct record_answer *answer = (struct record_answer *)(void *)chunk->payload;
+
+        assert_int_equal(answer->verdict, PCCD_VERDICT_POSSIBLE);
+        answer->verdict = PCCD_VERDICT_NO;
+        record_verdict_hash(answer->verdict, answer->hash);
+    }
+    return true;
+}
+
+/* If it failed, nobody would see that a door which stands in its post when it begins to
+ * turn is called free, or that another number of edges is told to pass through faces. */
+CASE(verify_turning__knows_how_it_begins)
+{
+    char said[8192];
+
+    begins = 1.25;
+    for (int repeats = 0; repeats < 2; repeats++) {
+        const char *options = repeats ? "--json --repeat" : "--json";
+
+        record_door(1.26, repeats ? PCCD_MODE_ALL : PCCD_MODE_ANY, 0);
+        assert_int_equal(test_ctl("verify", options, test_recording, said, sizeof said),
+                         0);
+        assert_null(strstr(said, "begins"));
+    }
+    record_door(1.26, PCCD_MODE_ANY, 0);
+    forge_recording(test_recording, forged, is_called_free, NULL);
+    begins = 0;
+    assert_wrong("it begins crossed");
 }

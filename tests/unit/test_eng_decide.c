@@ -218,6 +218,31 @@ CASE(decide__thick_features_meet_at_their_distance)
     }
 }
 
+/* If it failed: a body that turns and begins within its distance would be stopped at
+ * once, or come nearer than what it may; or nobody would be told that it began there. */
+CASE(decide__what_begins_inside_comes_nearer_by_its_part)
+{
+    double face[3][3];
+    stand_wall(0.5, face);
+    for (int n = 0; n < 4; n++) {
+        /* At the angle a the vertex is sin(0.5 - a) from the wall. */
+        const double r = n == 1 ? 0.3 : n == 2 ? sin(0.5) : 0.6, s = 0.5;
+        const struct pccd_joint joint = turn_of(0, n == 3 ? -1 : 1);
+        const struct eng_turning_pair pair =
+            pair_of(PCCD_VF, 0, on_x, (const double(*)[3])face, r);
+        struct eng_turning_limits limits = limits_of(TOLERANCE);
+        limits.approach = s;
+        enum eng_turning_verdict verdict = decide_chain(&joint, 1, &pair, &limits);
+        assert_int_equal(verdict, n == 3 ? ENG_TURNING_FREE : ENG_TURNING_MEETS);
+        if (n < 2) { /* 2: it begins at r, as well as doubles can tell */
+            const double due = 0.5 - asin(n == 0 ? s * sin(0.5) : r);
+            answer.hit.flags ^= n == 0 ? PCCD_INSIDE : 0;
+            expect_proved(due, TOLERANCE);
+        }
+        assert_true(n != 2 || (answer.hit.flags == 0 && answer.hit.toi == 0));
+    }
+}
+
 /* If it failed: answers would depend on which of two bodies is taken for the one that
  * turns, on the order of edges, or on what goes straight meanwhile. */
 CASE(decide__sides_and_orders_agree)
@@ -382,7 +407,7 @@ struct play {
     uint32_t count;
     struct eng_path path;
     struct eng_turning_pair pair;
-    double r;
+    double r, approach;
 };
 
 static void sample_at(const struct play *play, double t, struct sample *sample)
@@ -447,6 +472,7 @@ static void make_play(struct prng *random, struct play *play)
         pair->radius[prng_u32(random, 2)] = 0.05;
     }
     play->r = pair->radius[0] + pair->radius[1] + pair->radius[2];
+    play->approach = prng_u32(random, 2) ? 0.75 : 0;
     bool moves = prng_u32(random, 2);
     double size = prng_u32(random, 4) ? 1 : 0.2;
     for (uint32_t i = 0; i < 4; i++) {
@@ -462,7 +488,7 @@ static void make_play(struct prng *random, struct play *play)
 }
 
 struct tally {
-    uint32_t free, proved, possible, limit, long_brackets, crossings;
+    uint32_t free, proved, possible, limit, long_brackets, crossings, inside;
     uint64_t looks[4];
     uint64_t hinted;
     uint32_t most;
@@ -517,11 +543,12 @@ static void expect_same(const struct eng_hit *a, const struct eng_hit *b)
     assert_memory_equal(a->normal, b->normal, sizeof a->normal);
 }
 
-static void check_play(const struct play *play, struct tally *tally)
+static void check_play(struct play *play, struct tally *tally)
 {
     static struct eng_poses poses;
-    const struct eng_turning_limits limits = limits_of(TOLERANCE);
+    struct eng_turning_limits limits = limits_of(TOLERANCE);
     struct sample at[2];
+    limits.approach = play->approach;
     double least;
     eng_poses_begin(&poses, &play->path);
     enum eng_turning_verdict verdict =
@@ -530,6 +557,9 @@ static void check_play(const struct play *play, struct tally *tally)
     struct eng_turning_answer first = answer;
     struct eng_turning_limits hinted = limits;
     hint(play, &hinted);
+    sample_at(play, 0, &at[0]);
+    bool is_inside = play->r > 0 && play->approach > 0 && at[0].distance <= play->r;
+    play->r = is_inside ? play->approach * at[0].distance : play->r;
     assert_int_equal(eng_turning_decide(&poses, &play->pair, &hinted, &answer), verdict);
     tally->hinted += answer.looks;
     if (verdict != ENG_TURNING_LIMIT) {
@@ -554,6 +584,8 @@ static void check_play(const struct play *play, struct tally *tally)
     }
     sample_at(play, hit->toi, &at[0]);
     sample_at(play, hit->toi_hi, &at[1]);
+    assert_int_equal((hit->flags & PCCD_INSIDE) != 0, is_inside);
+    tally->inside += is_inside;
     tally->crossings += sample_all(play, 1, &least);
     tally->long_brackets += hit->toi_hi - hit->toi > TOLERANCE;
     if ((hit->flags & PCCD_PROVED) == 0) {
@@ -581,11 +613,12 @@ CASE(decide__random_pairs_agree_with_many_samples)
         check_play(&play, &tally);
     }
     print_message("# %u free, %u proved, %u possible, %u not known; looks: %.1f, %.1f; "
-                  "most %u, with hints all %.1f; long brackets %u; samples cross %u\n",
+                  "most %u, with hints all %.1f; long brackets %u; samples cross %u; "
+                  "inside %u\n",
                   tally.free, tally.proved, tally.possible, tally.limit,
                   (double)tally.looks[ENG_TURNING_FREE] / tally.free,
                   (double)tally.looks[ENG_TURNING_MEETS] /
                       (tally.proved + tally.possible),
                   tally.most, (double)tally.hinted / (tally.free + tally.proved),
-                  tally.long_brackets, tally.crossings);
+                  tally.long_brackets, tally.crossings, tally.inside);
 }

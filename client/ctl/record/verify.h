@@ -193,6 +193,9 @@ bool verify_turning(const struct play_step *step, const struct pccd_contact *con
                     const struct pccd_pair *pair, struct verify_result *result);
 bool verify_turning_missing(const struct play_step *step, const struct pccd_pair *pair,
                             struct verify_result *result);
+/* Check the places at t = 0 of all that turns, which are computed as the daemon does,
+ * against where intervals have it. */
+bool verify_turning_places(const struct play_step *step, struct verify_result *result);
 /* Tell where such a pair begins and ends, and when it meets if that is known. */
 void verify_turning_tell(const struct play_step *step, const struct pccd_pair *pair,
                          struct verify_witness *witness);

@@ -213,7 +213,8 @@ bool verify_any(const struct play_step *step, const struct verify_start *start,
     if (verdict == PCCD_VERDICT_NONE || (step->tells_start && !start->is_known)) {
         return true;
     }
-    if (!is_free && verdict != PCCD_VERDICT_YES) {
+    if (!is_free && verdict != PCCD_VERDICT_YES &&
+        !(verdict == PCCD_VERDICT_POSSIBLE && verify_has_turning(step))) {
         return verify_wrong(result, step, NULL,
                             "the verdict is that nothing meets, and it begins crossed or "
                             "inside");

@@ -481,8 +481,8 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
     if (!verify_is_complete(step)) {
         return true;
     }
-    if (verify_has_turning(step)) {
-        return verify_leave(result, "bodies turn: how it begins is not checked");
+    if (!verify_turning_places(step, result)) {
+        return false;
     }
     const struct registry_pairs *pairs = &step->scene->pairs;
     for (uint32_t i = 0; i < pairs->count && step->separation.approach > 0; i++) {

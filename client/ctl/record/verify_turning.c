@@ -4,10 +4,12 @@
  * intervals, and says of a span of time that a pair is free in it, that it meets in it,
  * or that it cannot tell.
  */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "oracle_distance.h"
 #include "oracle_turning.h"
 #include "verify.h"
 
@@ -112,21 +114,29 @@ static void measure(const struct registry_object *object, double *extent, double
     }
 }
 
+/* Return how far from the origin all joints together take their frames, at most. */
+static double length_of_joints(const struct play_step *step)
+{
+    double length = 0;
+    for (uint32_t i = 0; i < step->joints.count; i++) {
+        for (int k = 0; k < 3; k++) {
+            const struct pccd_joint *joint = &step->joints.items[i];
+            bool shifts = joint->kind == PCCD_JOINT_SHIFT ||
+                          (joint->kind == PCCD_JOINT_SLIDE && k == 0);
+            length += fabs(joint->position[k]);
+            length += shifts ? fmax(fabs(joint->from[k]), fabs(joint->to[k])) : 0;
+        }
+    }
+    return length;
+}
+
 /* Return how much more than its distance a pair that is possible may be apart. */
 static double reach_of(const struct play_step *step, const struct pccd_pair *pair)
 {
     double extent = 0, size = 0;
     measure(registry_object(step->scene, pair->object_a), &extent, &size);
     measure(registry_object(step->scene, pair->object_b), &extent, &size);
-    for (uint32_t i = 0; i < step->joints.count; i++) {
-        for (int k = 0; k < 3; k++) {
-            const struct pccd_joint *joint = &step->joints.items[i];
-            bool shifts = joint->kind == PCCD_JOINT_SHIFT ||
-                          (joint->kind == PCCD_JOINT_SLIDE && k == 0);
-            size += fabs(joint->position[k]);
-            size += shifts ? fmax(fabs(joint->from[k]), fabs(joint->to[k])) : 0;
-        }
-    }
+    size += length_of_joints(step);
     double resolution = step->resolution > 0 ? step->resolution : RESOLUTION * extent;
     return fmax(2 * resolution, ROUNDING * size);
 }
@@ -178,16 +188,52 @@ static const char *misplaced(const struct question *question,
     return verify_place(&alone, (const double(*)[3])p, r);
 }
 
+/* Find the distance at which a pair meets, which with an approach is known by bounds:
+ * ask which of its times are certain by `met`, the answer for the lower, and `is`, that
+ * for the upper one, with which the question is left. Return whether the pair begins
+ * inside: 1, it does; 0, it does not; -1, that is not known. */
+static int ask_both(const struct play_step *step, const struct pccd_pair *pair,
+                    struct question *question, struct oracle_turning_answer *is,
+                    struct oracle_turning_answer *met)
+{
+    static const uint8_t rank[4] = {0, 1, 2, 3};
+    const double s = step->separation.approach;
+    double *radius = question->pair.radius;
+    double r = radius[0] + radius[1] + radius[2], low = r, p[8][3], extent = 0, size = 0;
+    struct oracle_distance first = {.lo = INFINITY};
+    int inside = 0;
+    if (s > 0 && r > 0 && place_pair(question, (const double[2]){0, 0}, p)) {
+        oracle_distance_find(question->pair.side[0].points == 2 ? ORACLE_EE : ORACLE_VF,
+                             (const double(*)[3])p, rank, &first);
+        measure(registry_object(step->scene, pair->object_a), &extent, &size);
+        measure(registry_object(step->scene, pair->object_b), &extent, &size);
+        const double pad = ROUNDING * (size + length_of_joints(step));
+        inside = first.hi + pad < r ? 1 : first.lo - pad > r ? 0 : -1;
+        low = inside != 0 ? fmax(s * (first.lo - pad), 0) : r;
+        r = inside == 1 ? s * (first.hi + pad) : r;
+    }
+    if (inside != 0) {
+        memset(radius, 0, sizeof question->pair.radius);
+        radius[0] = low;
+        ask(step, question, 0, 1, met);
+        radius[0] = r;
+    }
+    ask(step, question, 0, 1, is);
+    *met = inside != 0 ? *met : *is;
+    return inside;
+}
+
 /* Return what is wrong with a record's times and flags; NULL: nothing that is known. */
 static const char *mistimed(const struct play_step *step, struct question *question,
                             const struct pccd_contact *contact,
                             const struct pccd_pair *pair,
-                            const struct oracle_turning_answer *is)
+                            const struct oracle_turning_answer *is,
+                            const struct oracle_turning_answer *met)
 {
     bool is_proved = (contact->flags & PCCD_PROVED) != 0;
     bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
     struct oracle_turning_answer then;
-    if (is->met_by < contact->toi) {
+    if (met->met_by < contact->toi) {
         return "the features meet before the record's time";
     }
     if (is_proved && (is->is_free || is->free_until > contact->toi_hi)) {
@@ -210,10 +256,10 @@ static const char *mistimed(const struct play_step *step, struct question *quest
 bool verify_turning(const struct play_step *step, const struct pccd_contact *contact,
                     const struct pccd_pair *pair, struct verify_result *result)
 {
-    const uint32_t known = PCCD_PROVED | PCCD_INITIAL;
+    const uint32_t known = PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE;
     bool is_proved = (contact->flags & PCCD_PROVED) != 0;
     struct question question;
-    struct oracle_turning_answer is;
+    struct oracle_turning_answer is, met;
     if (pair->object_a == pair->object_b) {
         return verify_wrong(result, step, NULL, "a body that turns meets itself");
     }
@@ -223,12 +269,15 @@ bool verify_turning(const struct play_step *step, const struct pccd_contact *con
                             "that say nothing");
     }
     take_pair(step, pair, &question);
-    ask(step, &question, 0, 1, &is);
-    const char *what = mistimed(step, &question, contact, pair, &is);
+    int inside = ask_both(step, pair, &question, &is, &met);
+    const char *what =
+        inside >= 0 && inside != ((contact->flags & PCCD_INSIDE) != 0)
+            ? "whether the features begin within their distance is told wrongly"
+            : mistimed(step, &question, contact, pair, &is, &met);
     if (what != NULL) {
         return verify_wrong(result, step, pair, "%s", what);
     }
-    bool is_told = is.met_by <= contact->toi_hi + tolerance_of(step) &&
+    bool is_told = met.met_by <= contact->toi_hi + tolerance_of(step) &&
                    is.free_until >= contact->toi - tolerance_of(step);
     result->counts.contacts += is_proved;
     result->counts.possible += !is_proved;
@@ -240,13 +289,13 @@ void verify_turning_tell(const struct play_step *step, const struct pccd_pair *p
                          struct verify_witness *witness)
 {
     struct question question;
-    struct oracle_turning_answer is;
+    struct oracle_turning_answer is, met;
     take_pair(step, pair, &question);
-    ask(step, &question, 0, 1, &is);
+    (void)ask_both(step, pair, &question, &is, &met);
     witness->has_pair = place_pair(&question, (const double[2]){0, 1}, witness->p);
-    witness->has_contact = is.met_by <= 1;
+    witness->has_contact = met.met_by <= 1;
     witness->lo = is.free_until;
-    witness->hi = is.met_by;
+    witness->hi = met.met_by;
 }
 
 /* ---- what is missing --------------------------------------------------------------- */
@@ -255,20 +304,20 @@ bool verify_turning_missing(const struct play_step *step, const struct pccd_pair
                             struct verify_result *result)
 {
     struct question question;
-    struct oracle_turning_answer is;
+    struct oracle_turning_answer is, met;
     if (pair->object_a == pair->object_b) {
         return true; /* it does not meet itself */
     }
     take_pair(step, pair, &question);
-    ask(step, &question, 0, 1, &is);
-    bool meets = is.met_by <= 1;
+    (void)ask_both(step, pair, &question, &is, &met);
+    bool meets = met.met_by <= 1;
     if ((verify_mode(step) == PCCD_MODE_FIRST && step->found.count > 0 &&
-         is.met_by >= verify_toi_first(step)) ||
+         met.met_by >= verify_toi_first(step)) ||
         (verify_mode(step) == PCCD_MODE_ANY && verify_verdict(step) != PCCD_VERDICT_NO)) {
         meets = false; /* by more than is asked for */
     }
     result->counts.non_contacts += !meets;
-    result->counts.turning += !is.is_free && is.met_by > 1;
+    result->counts.turning += !is.is_free && met.met_by > 1;
     return !meets ||
            verify_wrong(result, step, pair, "a contact is missing in the answer");
 }
@@ -288,6 +337,35 @@ static bool set_transform(const struct play_step *step, uint32_t joint, double t
         m[k] = k < 3 ? x[0][0][k] : x[1][k / 3 - 1][k % 3] - x[0][0][k % 3];
     }
     return fits;
+}
+
+bool verify_turning_places(const struct play_step *step, struct verify_result *result)
+{
+    const struct registry_scene *scene = step->scene;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct registry_object *object = &scene->objects[i];
+        struct verify_path path;
+        double extent = 0, size = 0;
+        if (!object->turned || !set_transform(step, object->joint, 0, path.m[0])) {
+            continue;
+        }
+        measure(object, &extent, &size);
+        size += length_of_joints(step);
+        for (uint32_t v = 0; v < object->mesh->vertex_count; v++) {
+            double x[3], place[3];
+            registry_registered(object->mesh, v, x);
+            verify_path_place(&path, x, 0, place);
+            for (int k = 0; k < 3; k++) {
+                if (!(fabs(place[k] - object->x0[v][k]) <= ROUNDING * size)) {
+                    return verify_wrong(result, step, NULL,
+                                        "vertex %" PRIu32 " of 0x%" PRIx32
+                                        " begins elsewhere than its joints say",
+                                        v, object->handle);
+                }
+            }
+        }
+    }
+    return true;
 }
 
 struct verify_path *verify_paths(const struct play_step *step)

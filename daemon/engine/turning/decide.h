@@ -14,7 +14,9 @@
  * times, without PCCD_PROVED.
  *
  * *Distance* is Euclidean, between the closed features, at one time; r is the exact sum
- * of three doubles. Where it is free, the distance is more than r.
+ * of three doubles; with an approach, of a pair that begins within that, which has
+ * PCCD_INSIDE, this part of its first distance. Where it is free, the distance is more
+ * than r.
  */
 #ifndef ENG_TURNING_DECIDE_H
 #define ENG_TURNING_DECIDE_H
@@ -40,6 +42,7 @@ struct eng_turning_pair {
 struct eng_turning_limits {
     double delta;       /* positive; how near is possible, see below */
     double tolerance;   /* 1e-12 .. 1, of the bracket of a contact that is proved */
+    double approach;    /* of the question, 0 .. 1 (elementary/thick.h); 0: none */
     double t_end;       /* who begins later is not wanted */
     /* Known: before `from` the pair is farther apart than r + 4 delta, and after `to`, up
      * to a time that is later than t_end by more than the tolerance. The answer is the

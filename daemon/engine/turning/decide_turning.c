@@ -79,6 +79,7 @@ struct decider {
     double at_most;  /* r, rounded up */
     double at_least; /* r, rounded down */
     bool is_thin;
+    bool is_inside; /* it begins within r, and meets by what approach allows */
     bool is_beyond; /* a place is beyond the numbers that tests know */
     double side;  /* thin, proved: its sign is that of det[p, b, c] before the contact */
     double guess; /* thin features have met then, it seems; INFINITY: nobody knows */
@@ -421,15 +422,14 @@ double eng_turning_delta_least(double size, double error)
     return eng_most(4 * error, 0x1p-44 * size);
 }
 
-/* Return whether, as far as doubles can tell, points of the features are not farther
- * apart than that. */
-static bool is_near(enum pccd_kind kind, const struct moment *moment, double reach)
+/* Return how far apart the features are, as far as doubles can tell. */
+static double distance_at(enum pccd_kind kind, const struct moment *moment)
 {
     struct eng_pose pose;
     struct eng_closest closest;
     set_pose(kind, moment, &pose);
     eng_closest_to_origin(kind == PCCD_EE ? PCCD_EE : PCCD_VF, &pose, &closest);
-    return !(sqrt(eng_dot(closest.gap, closest.gap)) > reach);
+    return sqrt(eng_dot(closest.gap, closest.gap));
 }
 
 /* Return whether there is nothing more to be known of a leaf, and its features come
@@ -444,7 +444,8 @@ static bool comes_near(struct decider *decider, const struct span *span, enum lo
         return false;
     }
     set_moment(decider, until, &decider->spare[0]);
-    return is_near(decider->pair->kind, &decider->spare[0], decider->at_most + precision);
+    return !(distance_at(decider->pair->kind, &decider->spare[0]) >
+             decider->at_most + precision);
 }
 
 /* ---- the search -------------------------------------------------------------------- */
@@ -576,6 +577,30 @@ static bool look_at_first(struct decider *decider, struct found *found)
     return found->met_by < INFINITY || ++found->ahead > ENG_TURNING_LOOKS_AHEAD;
 }
 
+/* Let features that begin within r meet where their distance is the part of the first
+ * one that approach allows. Of those that begin at r, as far as bounds tell, nobody knows
+ * which it is: they may meet at r, and do where both ways to read it say so. */
+static void take_approach(struct decider *decider)
+{
+    const double s = decider->limits->approach, most = decider->at_most;
+    struct span first;
+    double until;
+    set_span(decider, &decider->begin, &decider->begin, &first);
+    if (look(decider, &first, true, &until) == LOOK_FREE) {
+        return;
+    }
+    decider->is_inside = prove_thick(decider, &first) < INFINITY;
+    double d = distance_at(decider->pair->kind, &decider->begin);
+    double pad = 4 * first.eps + 0x1p-40 * decider->begin.size;
+    decider->at_most = d - pad; /* the first distance is above that and .. */
+    bool is_above = d > pad && look(decider, &first, true, &until) == LOOK_FREE;
+    decider->at_least = d + pad; /* .. at most that, if both can be proved */
+    bool is_below = prove_thick(decider, &first) < INFINITY;
+    decider->at_least = is_above ? s * (d - pad) * (1 - 4 * ENG_U) : 0;
+    decider->at_most =
+        decider->is_inside && is_below ? s * (d + pad) * (1 + 4 * ENG_U) : most;
+}
+
 static void begin(struct decider *decider)
 {
     const struct eng_turning_pair *pair = decider->pair;
@@ -606,6 +631,9 @@ static void begin(struct decider *decider)
     decider->at_least = eng_thick_sum(pair->radius) * (1 - 4 * ENG_U);
     decider->is_thin = decider->at_most == 0;
     set_moment(decider, 0, &decider->begin);
+    if (decider->limits->approach > 0 && !decider->is_thin) {
+        take_approach(decider);
+    }
     push(decider, 1);
 }
 
@@ -643,6 +671,7 @@ enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
     decider.limits = limits;
     decider.kernels = eng_kernels_of(ENG_ISA_SCALAR);
     decider.is_beyond = false;
+    decider.is_inside = false;
     decider.still_size = 0;
     decider.turning_size = 0;
     decider.side = 0;
@@ -685,6 +714,7 @@ enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
                          .toi = found.free_until,
                          .toi_hi = is_proved ? found.met_by : found.possible_until};
     answer->hit.flags |= found.met_by == 0 ? PCCD_INITIAL : 0;
+    answer->hit.flags |= decider.is_inside ? PCCD_INSIDE : 0;
     describe(&decider, &answer->hit);
     return ENG_TURNING_MEETS;
 }

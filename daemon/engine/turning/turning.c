@@ -331,6 +331,7 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
     const uint64_t looks = turning->sweep.tests_most;
     const struct eng_turning_limits limits = {.delta = turning->delta,
                                               .tolerance = worker->question->tolerance,
+                                              .approach = worker->question->approach,
                                               .t_end = end_of(turning),
                                               .from = found->span[0],
                                               .to = found->span[1],
