@@ -90,8 +90,10 @@ struct pccd_near_settings {
  * before it; held frames stay held. Take the answer by pccd_poll or pccd_wait; *step is
  * its number there. It is in struct pccd_answer:
  *
- *     near      [count] records; for VERTICES instead vertex_bounds[count], doubles,
- *               those of all objects by increasing handle, each in the order of its mesh
+ *     near      [count] records, of two features whose kind says which is a: of VF the
+ *               vertex, so object_a may be either of the two objects; for VERTICES
+ *               instead vertex_bounds[count], doubles, those of all objects by increasing
+ *               handle, each in the order of its mesh
  *     counts    by enum pccd_kind and enum pccd_near_kind
  *     distance_min, distance_max
  *               the least d_lo and the greatest d_hi of the records; without records 2e18

@@ -49,7 +49,8 @@ struct pccd_body {
     const double *x0;  /* [vertex_count][3] at t = 0; with m0 and m1: as registered */
     const double *x1;  /* at t = 1; NULL: it stands */
     const double *m0, *m1; /* [12]: rows of [R | t] at both ends, in the place of x1, as
-                              pccd_frame_rigid has them; NULL: none */
+                              pccd_frame_rigid has them; of a body that turns, both where
+                              pccd_joints_place has it at the toi; NULL: none */
 };
 
 /* Find the four vertices of each record, by their numbers among all, and the weight that

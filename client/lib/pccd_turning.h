@@ -96,6 +96,14 @@ int pccd_joints_rotation_vector(const double origin0[3], const double origin1[3]
  * differs. */
 int pccd_rotation_of_matrix(const double m[12], double rotation[4]);
 
+/* Set m, rows of [R | t], to where a joint of a table of `count` has its body at time t,
+ * 0 .. 1: it takes the registered positions there, at both ends of the step as the daemon
+ * has them, to the last bit. At the toi of a contact it tells where that is: with m as
+ * both m0 and m1 of the body, pccd_points has its points (pccd_points.h). E_INVAL: also
+ * no such joint, or another t. */
+int pccd_joints_place(const struct pccd_joint *joints, uint32_t count, uint32_t joint,
+                      double t, double m[12]);
+
 /* ---- in a frame -------------------------------------------------------------------- */
 
 /* Copy a table of joints into a frame, once, before what hangs on it; count: 1 .. 65536.

@@ -48,19 +48,27 @@ static struct pccd_joint *add(struct chain *chain, enum pccd_joint_kind kind)
     return &chain->joints[at];
 }
 
-/* Judge what was added, and count it. */
-static int end(const struct chain *chain, const char *what, uint32_t *count)
+/* Judge joints from .. to - 1 of a table. */
+static int judge(const struct pccd_joint *joints, uint32_t from, uint32_t to,
+                 const char *what)
 {
-    for (uint32_t i = 0; i < chain->count; i++) {
-        uint32_t at = chain->first + i;
-        const char *fault = common_joint_fault(&chain->joints[at], at);
+    for (uint32_t at = from; at < to; at++) {
+        const char *fault = common_joint_fault(&joints[at], at);
 
         if (fault != NULL) {
             return cli_fail(NULL, PCCD_E_INVAL, "%s: of joint %u %s", what, at, fault);
         }
     }
-    *count = chain->first + chain->count;
     return 0;
+}
+
+/* Judge what was added, and count it. */
+static int end(const struct chain *chain, const char *what, uint32_t *count)
+{
+    int status = judge(chain->joints, chain->first, chain->first + chain->count, what);
+
+    *count = chain->first + (status == 0 ? chain->count : 0);
+    return status;
 }
 
 int pccd_joints_screw(const double centre[3], const double axis[3], double angle,
@@ -278,5 +286,25 @@ int pccd_rotation_of_matrix(const double m[12], double rotation[4])
     for (size_t k = 0; k < 4; k++) {
         rotation[k] = (q[3] < 0 ? -q[k] : q[k]) / length;
     }
+    return 0;
+}
+
+int pccd_joints_place(const struct pccd_joint *joints, uint32_t count, uint32_t joint,
+                      double t, double m[12])
+{
+    static const char what[] = "joints_place";
+
+    if (joints == NULL || m == NULL || joint >= count || !(t >= 0 && t <= 1)) {
+        return refuse(what, joints == NULL   ? "joints is NULL"
+                            : m == NULL      ? "m is NULL"
+                            : joint >= count ? "there is no such joint"
+                                             : "t is not in 0 .. 1");
+    }
+    int status = judge(joints, 0, count, what);
+    if (status != 0) {
+        return status;
+    }
+    COMMON_ROUNDING_HERE;
+    common_joint_transform(joints, joint, t, m);
     return 0;
 }

@@ -1,9 +1,10 @@
-/* joints.h - which joints can be joints, and where a link is at either end of a step.
+/* joints.h - which joints can be joints, and where a link is at a time of the step.
  *
  * Judge a table of joints (struct pccd_joint), and give the transform that a body which
- * hangs on one has at t = 0 and t = 1, in doubles: where its vertices are then for all
- * that comes after the step. Daemon, library and replay each compute it, and must agree
- * bit for bit; what lies between the two ends is the engine's.
+ * hangs on one has, in doubles: at t = 0 and t = 1 where its vertices are then for all
+ * that comes after the step. Daemon, library and replay each compute that, and must agree
+ * bit for bit. Between the two ends it is for who shows something: what meets there is
+ * the engine's to bound.
  *
  * Threads: [any], computing to nearest (rounding.h).
  */
@@ -168,22 +169,30 @@ static inline void common_joint_place(const struct pccd_joint *joint, uint32_t e
     common_transform_after(place, moved, m);
 }
 
-/* Set m to where the link of `joint` is in the world at that end of the step, 0 or 1, of
- * a table without faults, aligned or not: the vertices of a body that hangs on it are
- * where m takes the registered ones (common_transform). */
-static inline void common_joint_transform(const void *joints, uint32_t joint,
-                                          uint32_t end, double m[12])
+/* Set m to where the link of `joint` is in the world at time t, 0 .. 1, of a table
+ * without faults, aligned or not: m takes the registered vertices of a body that hangs on
+ * it there (common_transform), at both ends of the step to the last bit. */
+static inline void common_joint_transform(const void *joints, uint32_t joint, double t,
+                                          double m[12])
 {
-    struct pccd_joint at;
+    bool is_first = true;
 
-    memcpy(&at, (const uint8_t *)joints + joint * sizeof at, sizeof at);
-    common_joint_place(&at, end, m);
-    while (at.parent != PCCD_NO_JOINT) {
-        double parent[12];
+    for (uint32_t next = joint; next != PCCD_NO_JOINT;) {
+        struct pccd_joint at;
+        double place[12];
 
-        memcpy(&at, (const uint8_t *)joints + at.parent * sizeof at, sizeof at);
-        common_joint_place(&at, end, parent);
-        common_transform_after(parent, m, m);
+        memcpy(&at, (const uint8_t *)joints + next * sizeof at, sizeof at);
+        for (int k = 0; k < 3 && t > 0 && t < 1; k++) {
+            at.from[k] += t * (at.to[k] - at.from[k]);
+        }
+        common_joint_place(&at, t < 1 ? 0 : 1, place);
+        if (is_first) {
+            memcpy(m, place, sizeof place);
+        } else {
+            common_transform_after(place, m, m);
+        }
+        is_first = false;
+        next = at.parent;
     }
 }
 

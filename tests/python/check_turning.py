@@ -46,6 +46,8 @@ class Tables(unittest.TestCase):
                                            ([0, 0, 0], [0, 0, 1, 0])), "half a turn"),
                 (lambda: pccd.joints_poses(QUARTER, QUARTER, turns=1.5), "turns is 1.5"),
                 (lambda: pccd.rotation_of_matrix(2 * np.eye(3, 4)), "by 3, more than"),
+                (lambda: pccd.joints_place(pccd.joints_screw([0] * 3, [1] * 3, 1), 9, 0),
+                 "no such joint"),
                 (lambda: pccd.Motions().joints(np.zeros(3)), "of JOINT")):
             with self.assertRaisesRegex(pccd.PccdError, text) as error:
                 call()
@@ -61,7 +63,7 @@ class Steps(Case):
         door = self.client.mesh_create(DOOR, np.array([[0, 1, 2], [0, 2, 3]]))
         post = self.client.mesh_create(POST, np.array([[0, 1, 2]]))
         self.door = self.client.scene_add(self.scene, door)
-        self.client.scene_add(self.scene, post)
+        self.post = self.client.scene_add(self.scene, post)
 
     # If this failed, arrays of joint values would move a body elsewhere.
     def test_motions__turn_by_the_values_of_a_table(self):
@@ -75,6 +77,14 @@ class Steps(Case):
             with self.client.step(self.scene, moves) as answer:
                 self.assertEqual(answer.count, 3 if toi < 2 else 0)
                 self.assertAlmostEqual(answer.toi_first, toi, 5)
+                for k, toi in enumerate(answer.contacts["toi"]):  # where they are then
+                    m = pccd.joints_place(table, len(table) - 1, toi)
+                    at = self.client.bodies(self.scene).points(
+                        answer.contacts[k:k + 1], {self.door: DOOR, self.post: POST},
+                        poses={self.door: (m, m)})
+                    np.testing.assert_allclose(at[0, 0], at[0, 1], atol=1e-5)
+                    self.assertAlmostEqual(math.atan2(at[0, 0, 1], at[0, 0, 0]),
+                                           math.pi / 4, 5)
         with self.client.near(self.scene, "nearest", motions=moves) as answer:
             self.assertEqual(answer.count, 1)
         table["from"][0, 0], table["to"][0, 0] = 0, math.pi / 2

@@ -9,15 +9,12 @@
 
 static const struct pccd_pose origin = {.rotation = {0, 0, 0, 1}};
 
-/* Where the last joint of a table takes a point at an end of the step. */
-static void assert_goes(const struct pccd_joint *joints, uint32_t count, uint32_t end,
+/* Where the last joint of a table takes a point at a time of the step. */
+static void assert_goes(const struct pccd_joint *joints, uint32_t count, double t,
                         const double from[3], const double to[3])
 {
     double m[12], x[3];
-    for (uint32_t i = 0; i < count; i++) {
-        assert_null(common_joint_fault(&joints[i], i));
-    }
-    common_joint_transform(joints, count - 1, end, m);
+    assert_ok(pccd_joints_place(joints, count, count - 1, t, m));
     common_transform(m, from, x);
     for (int k = 0; k < 3; k++) {
         assert_true(fabs(x[k] - to[k]) < 1e-14);
@@ -33,6 +30,8 @@ CASE(screw__turns_about_its_axis_and_goes_along_it)
                                 PCCD_NO_JOINT, joints, &count));
     assert_goes(joints, count, 0, (double[3]){3, 0, 7}, (double[3]){3, 0, 7});
     assert_goes(joints, count, 1, (double[3]){3, 0, 7}, (double[3]){1, 2, 7});
+    const double way = 2 * sqrt(0.5);
+    assert_goes(joints, count, 0.5, (double[3]){3, 0, 7}, (double[3]){1 + way, way, 7});
     uint32_t parent = count - 1;
     assert_ok(pccd_joints_screw((double[3]){0, 0, 0}, (double[3]){0, 0, -1}, PI / 2, 4,
                                 parent, joints, &count));
@@ -44,6 +43,11 @@ CASE(screw__turns_about_its_axis_and_goes_along_it)
     assert_string_equal(pccd_error_text(NULL),
                         "joints_screw: of joint 5 the length of its axis is not in 1e-9 "
                         ".. 1e9");
+    double m[12];
+    assert_int_equal(pccd_joints_place(joints, count, count, 0, m), PCCD_E_INVAL);
+    assert_string_equal(pccd_error_text(NULL), "joints_place: there is no such joint");
+    assert_int_equal(pccd_joints_place(joints, count, 0, 1.5, m), PCCD_E_INVAL);
+    assert_int_equal(pccd_joints_place(joints, count, 0, (double)NAN, m), PCCD_E_INVAL);
     assert_int_equal(pccd_joints_screw((double[3]){0, 0, 0}, (double[3]){0, 0, 1}, 7e6, 0,
                                        PCCD_NO_JOINT, joints, &count),
                      PCCD_E_INVAL);

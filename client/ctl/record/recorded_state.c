@@ -578,27 +578,6 @@ void recorded_joints_deinit(struct recorded_joints *joints)
     *joints = (struct recorded_joints){.items = NULL};
 }
 
-void recorded_pose(const struct recorded_joints *joints, uint32_t joint, double t,
-                   double m[12])
-{
-    bool is_first = true;
-    COMMON_ROUNDING_HERE;
-    for (uint32_t at = joint; at != PCCD_NO_JOINT; at = joints->items[at].parent) {
-        struct pccd_joint now = joints->items[at];
-        double place[12];
-        for (int k = 0; k < 3 && t > 0 && t < 1; k++) {
-            now.from[k] += t * (now.to[k] - now.from[k]);
-        }
-        common_joint_place(&now, t < 1 ? 0 : 1, place);
-        if (is_first) {
-            memcpy(m, place, sizeof place);
-        } else {
-            common_transform_after(place, m, m);
-        }
-        is_first = false;
-    }
-}
-
 /* Return what a segment moves. Where a body turns, transforms take it to both ends, which
  * `ends` gets. */
 static struct registry_motion motion_of(const struct record_segment *segment,

@@ -50,10 +50,6 @@ bool recorded_joints_take(struct recorded_joints *joints, const uint8_t *slot,
 /* Take those of all segments, in the place of what there is. False: no memory. */
 bool recorded_joints_of(const struct recorded_item *item, struct recorded_joints *joints);
 void recorded_joints_deinit(struct recorded_joints *joints);
-/* Set m to where a joint has its link at a time of the step, 0 .. 1: at its ends exactly
- * as the daemon computes it, between them on its arc, to a few roundings. */
-void recorded_pose(const struct recorded_joints *joints, uint32_t joint, double t,
-                   double m[12]);
 
 /* ---- Everything else, in a registry that follows both ends of the last steps. */
 

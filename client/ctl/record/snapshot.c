@@ -9,9 +9,11 @@
 #include <string.h>
 
 #include "coordinates.h"
+#include "joints.h"
 #include "output.h"
 #include "printable.h"
 #include "recorded_state.h"
+#include "rounding.h"
 #include "shown.h"
 
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
@@ -104,7 +106,8 @@ static bool take_object(const struct registry_object *from,
     double m[12];
     const double *pose = NULL;
     if (from->turned && joints != NULL) { /* NULL: t is an end, of a question */
-        recorded_pose(joints, from->joint, t, m);
+        COMMON_ROUNDING_HERE;
+        common_joint_transform(joints->items, from->joint, t, m);
         pose = m;
     }
     *object = (struct snapshot_object){
@@ -200,7 +203,8 @@ static void stand_at(const struct registry_object *object,
     if (!object->turned) {
         return;
     }
-    recorded_pose(joints, object->joint, t, pose);
+    COMMON_ROUNDING_HERE;
+    common_joint_transform(joints->items, object->joint, t, pose);
     for (uint32_t i = 0; i < points; i++) {
         find_vertex(object, pose, ends->corners[i], t, ends->from[i]);
         memcpy(ends->to[i], ends->from[i], sizeof ends->to[i]);

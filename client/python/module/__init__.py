@@ -48,8 +48,8 @@ from .frame import Frame, Motions
 from .library import PccdError
 from .points import MANIFOLD, Bodies, Shape, Stencils
 from .rays import Hits, Rays
-from .turning import (JOINT, NO_JOINT, joints_poses, joints_rotation_vector,
-                      joints_screw, rotation_of_matrix)
+from .turning import (JOINT, NO_JOINT, joints_place, joints_poses,
+                      joints_rotation_vector, joints_screw, rotation_of_matrix)
 from .values import (BOX, CONTACT, EDGE, NEAR, PAIR, TRACE_EVENT, DaemonInfo, Histogram,
                      LinkInfo, MeshInfo, ObjectSettings, RecordInfo, SceneNews, Setting,
                      StepCounters, StepEvent, StepSettings, StepTimes, TraceInfo)
@@ -60,10 +60,11 @@ __version__ = abi.VERSION
 __all__ = [
     "Answer", "Batch", "BatchAnswer", "BatchWay", "Bodies", "BOX", "Client", "connect",
     "CONTACT", "ContactFlag", "DaemonInfo", "EDGE", "Format", "Frame", "Histogram",
-    "HistogramKind", "Hits", "Incomplete", "JOINT", "JointKind", "joints_poses",
-    "joints_rotation_vector", "joints_screw", "Kind", "LinkInfo", "MANIFOLD", "MeshInfo",
-    "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind", "NearWhat", "NO_JOINT",
-    "ObjectSettings", "ObjectWhat", "PAIR", "Part", "PccdError", "Rays", "RecordInfo",
+    "HistogramKind", "Hits", "Incomplete", "JOINT", "JointKind", "joints_place",
+    "joints_poses", "joints_rotation_vector", "joints_screw", "Kind", "LinkInfo",
+    "MANIFOLD", "MeshInfo", "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind",
+    "NearWhat", "NO_JOINT", "ObjectSettings", "ObjectWhat", "PAIR", "Part", "PccdError",
+    "Rays", "RecordInfo",
     "rotation_of_matrix", "SCENE", "SceneNews", "Setting", "Shape", "Share", "Status",
     "Stencils", "StepCounters", "StepEvent", "StepSettings", "StepTimes", "Touching",
     "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict", "weld", "Welded",

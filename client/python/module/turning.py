@@ -76,6 +76,16 @@ def rotation_of_matrix(m: ArrayLike) -> NDArray[np.float64]:
     return made
 
 
+def joints_place(joints: NDArray[Any], joint: int, t: float) -> NDArray[np.float64]:
+    """The transform (3, 4) that takes the registered positions of what hangs on a joint
+    to where they are at time t, 0 .. 1: at both ends of a step as the daemon has them. Of
+    a contact's toi, Bodies.points takes it as both poses of the body."""
+    table, m = table_of(joints), np.empty((3, 4))
+    _check(lib.pccd_joints_place(table.ctypes.data, len(table), u32("joint", joint), t,
+                                 m.ctypes.data))
+    return m
+
+
 def table_of(joints: Any) -> NDArray[Any]:
     """A table that the library may read: packed, of JOINT."""
     if not isinstance(joints, np.ndarray) or joints.dtype != JOINT or joints.ndim != 1 \
