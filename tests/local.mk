@@ -23,6 +23,7 @@ libtests_la_SOURCES = \
     tests/support/play_wild.c \
     tests/support/ply.c \
     tests/support/raw.c \
+    tests/support/raw_scene.c \
     tests/support/recording.c \
     tests/support/run_ctl.c \
     tests/support/scenes.c \
@@ -72,7 +73,6 @@ test_programs += \
     tests/determinism/test_eng_golden \
     tests/determinism/test_eng_recorded \
     tests/property/test_eng_against_oracle \
-    tests/property/test_eng_near \
     tests/property/test_eng_near_objects \
     tests/property/test_eng_near_oracle \
     tests/property/test_eng_part \

@@ -14,7 +14,7 @@ work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 
 # If this failed, a program that asks a daemon would find that direct: answers otherwise.
-for program in step brief reply flow choice deadline watch replace slot record_filter record_shared observe shared verify warm misuse null contract cut near thick free protocol; do
+for program in step brief reply flow choice deadline watch replace slot record_filter record_shared observe shared verify warm misuse contract near thick free protocol; do
     PCCD_TEST_URL=direct: timeout 600 "$top_builddir/tests/integration/test_int_$program" \
         >"$work/out" 2>&1
     status=$?

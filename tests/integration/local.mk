@@ -11,7 +11,6 @@ test_programs += \
     tests/integration/test_int_choice \
     tests/integration/test_int_contract \
     tests/integration/test_int_crossed \
-    tests/integration/test_int_cut \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
     tests/integration/test_int_direct \
@@ -21,7 +20,6 @@ test_programs += \
     tests/integration/test_int_free \
     tests/integration/test_int_hostile \
     tests/integration/test_int_journal \
-    tests/integration/test_int_leave \
     tests/integration/test_int_long \
     tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
@@ -29,9 +27,7 @@ test_programs += \
     tests/integration/test_int_near \
     tests/integration/test_int_near_long \
     tests/integration/test_int_notify \
-    tests/integration/test_int_null \
     tests/integration/test_int_observe \
-    tests/integration/test_int_orphan \
     tests/integration/test_int_overdue \
     tests/integration/test_int_owner \
     tests/integration/test_int_peer \

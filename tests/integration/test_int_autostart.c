@@ -140,8 +140,7 @@ CASE(autostart__error_has_the_last_words_of_a_private_daemon)
         struct pccd_client *client = test_client(
             &(struct pccd_options){.private_daemon = true, .reconnect_ms = -1});
         assert_int_equal(kill((pid_t)pccd_daemon_pid(client), cases[i].signal), 0);
-        assert_int_equal(waitid(P_PID, pccd_daemon_pid(client), &info, WEXITED | WNOWAIT),
-                         0);
+        assert_ok(waitid(P_PID, pccd_daemon_pid(client), &info, WEXITED | WNOWAIT));
         assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
         if (strstr(pccd_error_text(client), cases[i].text) == NULL) {
             fail_msg("signal %d: %s", cases[i].signal, pccd_error_text(client));

@@ -154,8 +154,7 @@ CASE(scene__that_is_most_of_the_work_is_shared_by_the_team)
     assert_non_null(x);
     make_farm(client, 8, SIDE, &small);
     make_farm(client, 1, 150, &large);
-    wide = calloc(large.vertex_count, sizeof *wide);
-    assert_non_null(wide);
+    wide = test_room(large.vertex_count * sizeof *wide);
     for (uint32_t i = 0; i < 8; i++) {
         parts[i] = (struct pccd_batch_part){.scene = small.worlds[i].scene,
                                             .object = small.worlds[i].body,
@@ -850,12 +849,4 @@ CASE(batch__that_fails_is_watched_scene_by_scene)
     pccd_close(client);
 }
 
-static int start(void **state)
-{
-    static const char *const options[] = {"--threads", "2", NULL};
-
-    (void)state;
-    return test_shared_start_with(options);
-}
-
-CASES_WITH(start, test_shared_stop);
+CASES_WITH_DAEMON("--threads", "2");

@@ -117,8 +117,7 @@ static uint32_t check_tree(struct fallen *fallen, enum pccd_tree tree, uint32_t 
  * would be lost. */
 CASE(boxes__of_wide_cover_what_is_below)
 {
-    struct fallen *fallen = calloc(1, sizeof *fallen);
-    assert_non_null(fallen);
+    struct fallen *fallen = test_room(sizeof *fallen);
     fall(fallen, PCCD_METHOD_WIDE);
     for (uint32_t tree = PCCD_TREE_VERTICES; tree <= PCCD_TREE_FACES; tree++) {
         /* Sixteen features to a box at most. */
@@ -132,8 +131,7 @@ CASE(boxes__of_wide_cover_what_is_below)
 /* If it failed, the same of the paper's tree. */
 CASE(boxes__of_paper_cover_what_is_below)
 {
-    struct fallen *fallen = calloc(1, sizeof *fallen);
-    assert_non_null(fallen);
+    struct fallen *fallen = test_room(sizeof *fallen);
     fall(fallen, PCCD_METHOD_PAPER);
     assert_in_range(check_tree(fallen, PCCD_TREE_TRIANGLES, 0), SIDE * SIDE,
                     2 * SIDE * SIDE);
@@ -144,8 +142,7 @@ CASE(boxes__of_paper_cover_what_is_below)
 /* If it failed, a hierarchy of objects that are gone would be walked, or shown. */
 CASE(boxes__of_paper_go_when_objects_do)
 {
-    struct fallen *fallen = calloc(1, sizeof *fallen);
-    assert_non_null(fallen);
+    struct fallen *fallen = test_room(sizeof *fallen);
     fall(fallen, PCCD_METHOD_PAPER);
     assert_int_equal(read_level(fallen, PCCD_TREE_TRIANGLES, 0), 1);
     assert_ok(pccd_scene_remove(fallen->client, fallen->grid.scene, fallen->grid.object));
@@ -156,9 +153,8 @@ CASE(boxes__of_paper_go_when_objects_do)
 /* If it failed, a wrong question would be answered, or end a session. */
 CASE(boxes__are_refused_where_there_are_none)
 {
-    struct fallen *fallen = calloc(1, sizeof *fallen);
+    struct fallen *fallen = test_room(sizeof *fallen);
     uint32_t count = 77;
-    assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_WIDE);
     struct pccd_client *client = fallen->client;
     uint32_t scene = fallen->grid.scene;

@@ -2,58 +2,40 @@
  * of them. */
 #include "cases.h"
 
-#include <unistd.h>
-
 #include "fixture.h"
 #include "forge.h"
+#include "must.h"
+#include "recording.h"
 #include "run_ctl.h"
-
-static char folder[] = "/tmp/pccd-test-broken-XXXXXX";
-static char honest[96], broken[96];
 
 static const double shape[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 static const uint32_t face[1][3] = {{0, 1, 2}};
 static const double turn[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, .5};
 
-static int move(struct pccd_client *client, uint32_t scene,
-                const struct pccd_motion *motion)
+static void move(struct pccd_client *client, uint32_t scene,
+                 const struct pccd_motion *motion)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    int status = pccd_step(client, scene, motion, 1, NULL, &answer);
+    assert_ok(pccd_step(client, scene, motion, 1, NULL, &answer));
     pccd_answer_release(client, &answer);
-    return status;
 }
 
-static int ask(struct pccd_client *client, uint32_t scene,
-               const struct pccd_motion *motion)
-{
-    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-    settings.distance = 1;
-    int status = pccd_ask_near(client, scene, motion, 1, &settings, &answer);
-    pccd_answer_release(client, &answer);
-    return status;
-}
-
-/* Two objects that were moved, one by a pose; then a step of each form. */
+/* Two objects that were moved, one by a pose; then a step of each form, and a
+ * question. */
 static int set_up(void **state)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_near_settings near = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_client *client = NULL;
-    uint32_t scene, mesh, object[2];
+    uint32_t object[2];
 
-    if (mkdtemp(folder) == NULL) {
-        return -1;
-    }
-    (void)snprintf(honest, sizeof honest, "%s/honest.rec", folder);
-    (void)snprintf(broken, sizeof broken, "%s/broken.rec", folder);
-    if (test_shared_connect(state, 0, &client) != 0 ||
-        pccd_scene_create(client, NULL, &scene) != 0 ||
-        pccd_mesh_create(client, shape, PCCD_FORMAT_F64, 3, face, 1, &mesh, NULL) != 0 ||
-        pccd_scene_add(client, scene, mesh, &object[0]) != 0 ||
-        pccd_scene_add(client, scene, mesh, &object[1]) != 0) {
-        return -1;
-    }
+    assert_true(test_recording_begin());
+    assert_ok(test_shared_connect(state, 0, &client));
+    uint32_t scene = test_scene(client);
+    uint32_t mesh = test_mesh(client, shape, PCCD_FORMAT_F64, 3, face, 1);
+    object[0] = test_object(client, scene, mesh);
+    object[1] = test_object(client, scene, mesh);
     const struct pccd_object_settings thick = {.struct_bytes = sizeof thick,
                                                .what = PCCD_OBJECT_RADIUS |
                                                        PCCD_OBJECT_REST_DISTANCE,
@@ -61,31 +43,23 @@ static int set_up(void **state)
                                                .rest_distance = .75};
     const struct pccd_motion freely = {
         .object = object[0], .count = 3, .format = PCCD_FORMAT_F64, .x1 = shape};
-    const struct pccd_motion both = {.object = object[0],
-                                     .count = 3,
-                                     .format = PCCD_FORMAT_F64,
-                                     .x0 = shape,
-                                     .x1 = shape};
+    struct pccd_motion both = freely;
+    both.x0 = shape;
     const struct pccd_motion rigid = {
         .object = object[1], .count = 3, .m0 = turn, .m1 = turn};
-    if (pccd_object_set(client, scene, object[0], &thick) != 0 ||
-        move(client, scene, &freely) != 0 || move(client, scene, &rigid) != 0 ||
-        pccd_record_start(client, honest, &settings) != 0 ||
-        move(client, scene, &freely) != 0 || move(client, scene, &both) != 0 ||
-        move(client, scene, &rigid) != 0 || ask(client, scene, &freely) != 0 ||
-        move(client, scene, &freely) != 0) {
-        return -1;
-    }
+    assert_ok(pccd_object_set(client, scene, object[0], &thick));
+    move(client, scene, &freely);
+    move(client, scene, &rigid);
+    assert_ok(pccd_record_start(client, test_recording, &settings));
+    move(client, scene, &freely);
+    move(client, scene, &both);
+    move(client, scene, &rigid);
+    near.distance = 1;
+    assert_ok(pccd_ask_near(client, scene, &freely, 1, &near, &answer));
+    pccd_answer_release(client, &answer);
+    move(client, scene, &freely);
     pccd_close(client);
     return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)unlink(honest);
-    (void)unlink(broken);
-    (void)rmdir(folder);
-    return test_shared_stop(state);
 }
 
 /* ---- breaking ---------------------------------------------------------------------- */
@@ -121,26 +95,23 @@ static bool break_one(void *context, struct forge_chunk *chunk)
 #define STRAY(n, object) "vertex " #n object " is not finite or beyond 1e18"
 
 /* The commands, but for the page where it was not built. */
-static const char *const commands[] = {"replay",
-                                       "verify",
-                                       "verify --repeat",
-                                       "render -o %s/a.svg",
-                                       "export -o %s/a.glb",
-                                       "inspect -o %s/a.html"};
+static const char *const commands[] = {"replay",           "verify",
+                                       "verify --repeat",  "render -o %s.svg",
+                                       "export -o %s.glb", "inspect -o %s.html"};
 
 /* Each says where it is, with 4. Those that ask a daemon show that it refuses the frame
  * that was taken then. */
 static void assert_told(const struct breaking *breaking)
 {
     struct breaking copy = *breaking;
-    char command[160], place[64], said[4096];
+    char command[192], place[64], said[4096];
 
-    forge_recording(honest, broken, break_one, &copy);
+    forge_recording(test_recording, test_forged, break_one, &copy);
     assert_true(copy.seen >= copy.number);
     (void)snprintf(place, sizeof place, ", %s: ", record_kind_name(breaking->kind));
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
-        (void)snprintf(command, sizeof command, commands[i], folder);
-        int status = test_ctl(command, "", broken, said, sizeof said);
+        (void)snprintf(command, sizeof command, commands[i], test_recording);
+        int status = test_ctl(command, "", test_forged, said, sizeof said);
         bool asks = breaking->kind == RECORD_FRAME && (i == 0 || i == 2 || i == 5);
         int expected = !asks ? 4 : i == 5 ? 0 : 1;
         const char *says = !asks ? breaking->says : i == 5 ? "1 answer is" : "status";
@@ -221,13 +192,12 @@ CASE(broken__lengths_are_told)
     };
     struct breaking near = {RECORD_NEAR, 1, offsetof(struct record_near, distance), NAN,
                             .says = ""};
-    char said[4096];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_told(&cases[i]);
     }
-    forge_recording(honest, broken, break_one, &near);
-    assert_int_equal(test_ctl("verify", "", broken, said, sizeof said), 4);
-    assert_non_null(strstr(said, ", NEAR: a distance or tolerance that cannot be one"));
+    forge_recording(test_recording, test_forged, break_one, &near);
+    test_ctl_says(4, "verify", "", test_forged,
+                  ", NEAR: a distance or tolerance that cannot be one", NULL);
 }
 
-CASES_WITH(set_up, tear_down);
+CASES_WITH(set_up, test_recording_stop);

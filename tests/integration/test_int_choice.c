@@ -8,14 +8,6 @@
 #define SIDE_LARGE 128u /* so much work that threads share it, however fast they are */
 #define THREADS    3u
 
-static int start(void **state)
-{
-    static const char *const options[] = {"--threads", "3", NULL};
-
-    (void)state;
-    return test_shared_start_with(options);
-}
-
 /* Two turns of a grid; *answer is the second's. */
 static void turn(struct pccd_client *client, const struct pccd_step_settings *settings,
                  struct pccd_answer *answer)
@@ -164,4 +156,4 @@ CASE_CROSSING(choice__unknown_values_are_refused_by_name)
     assert_true(test_crossing_turn(crossing)); /* from where it was */
 }
 
-CASES_WITH(start, test_shared_stop);
+CASES_WITH_DAEMON("--threads", "3");

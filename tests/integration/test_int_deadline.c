@@ -194,7 +194,7 @@ static void make_slow(void)
     }
     slow.scene = test_scene(client);
     uint32_t mesh = test_mesh(client, slow.x, PCCD_FORMAT_F64, 3 * SLOW_TRIANGLES,
-                              (const uint32_t(*)[3])triangles, SLOW_TRIANGLES);
+                              triangles, SLOW_TRIANGLES);
     slow.object = test_object(client, slow.scene, mesh);
 }
 

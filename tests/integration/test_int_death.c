@@ -1,17 +1,85 @@
-/* test_int_death.c - what is left when a client or the daemon dies. */
+/* test_int_death.c - clients and daemons that leave or die, and what is left of them. */
 #include "cases.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "daemon.h"
+#include "fixture.h"
 #include "grid.h"
 #include "must.h"
+#include "raw.h"
 #include "witness.h"
+
+/* ---- clients that leave ------------------------------------------------------------ */
+
+/* Requests that nobody waits for the answers to. */
+static void ask_in_vain(struct test_raw *raw)
+{
+    const struct proto_PING_request request = {.token = 0};
+
+    assert_int_not_equal(test_raw_request(raw, PROTO_METHOD_PING, &request), 0);
+}
+
+static void say_goodbye(struct test_raw *raw)
+{
+    const struct proto_BYE_request request = {.reserved = 0};
+
+    assert_int_not_equal(test_raw_request(raw, PROTO_METHOD_BYE, &request), 0);
+}
+
+/* If it failed, every program that ends in order would look like one that the daemon had
+ * to give up, and its session wait for somebody who has said goodbye. */
+CASE_DAEMON(leaving__with_an_answer_unsent_is_an_ordinary_end, "--log-level", "debug")
+{
+    const struct proto_HELLO_request hello = {.version_min = PROTO_VERSION_MIN,
+                                              .version_max = PROTO_VERSION_MAX,
+                                              .resumable = true};
+    struct proto_HELLO_result result;
+    struct test_raw raw;
+
+    assert_true(test_raw_open(&raw, test_own.socket));
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result));
+    assert_int_equal(kill(test_own.pid, SIGSTOP), 0);
+    ask_in_vain(&raw);
+    say_goodbye(&raw);
+    test_raw_close(&raw);
+    assert_int_equal(kill(test_own.pid, SIGCONT), 0);
+    assert_true(
+        test_raw_open(&raw, test_own.socket)); /* is served behind the other one */
+    assert_ok(test_raw_hello(&raw));
+    test_raw_close(&raw);
+    assert_true(WIFEXITED(test_daemon_end(&test_own, SIGTERM, 10000)));
+    assert_true(test_daemon_logged(&test_own, "disconnected"));
+    assert_false(test_daemon_logged(&test_own, "closing"));
+    assert_false(test_daemon_logged(&test_own, "waits for its client"));
+}
+
+/* If it failed, nobody would learn that the daemon has given a client up that is there
+ * and takes no answers. */
+CASE_DAEMON(leaving__is_not_what_a_client_does_that_cannot_be_sent_to, NULL)
+{
+    struct test_raw raw;
+
+    assert_ok(test_raw_session(&raw, test_own.socket, 0, 0));
+    assert_int_equal(shutdown(raw.socket, SHUT_RD), 0);
+    ask_in_vain(&raw);
+    for (int i = 0; i < 1000 && !test_daemon_logged(&test_own, "cannot be sent to");
+         i++) {
+        test_sleep_ms(10);
+    }
+    assert_true(test_daemon_logged(&test_own, "closing: the client cannot be sent to"));
+    test_raw_close(&raw);
+}
+
+/* ---- clients and daemons that die -------------------------------------------------- */
 
 #define CLIENTS_KILLED 50
 #define DEATH_MS       1000 /* generous: it takes well below a millisecond */
@@ -294,25 +362,22 @@ CASE(death__of_the_daemon_ends_a_ping_and_an_upload)
 
 /* If it failed, the socket and lock that a dead daemon leaves would keep the next one
  * out. */
-CASE(death__of_the_daemon_leaves_the_path_usable)
+CASE_DAEMON(death__of_the_daemon_leaves_the_path_usable, NULL)
 {
-    struct test_daemon daemon;
     struct pccd_client *client;
     struct test_crossing crossing;
 
-    assert_true(test_daemon_start(&daemon, NULL));
     for (int round = 0; round < 3; round++) {
-        client = test_connect_once(daemon.url);
+        client = test_connect_once(test_own.url);
         assert_non_null(client);
         assert_ok(test_crossing_make(client, &crossing));
         assert_true(test_crossing_turn(&crossing));
-        (void)test_daemon_end(&daemon, SIGKILL, 5000);
-        assert_int_equal(access(daemon.socket, F_OK), 0);
-        assert_true(test_daemon_restart(&daemon, NULL));
+        (void)test_daemon_end(&test_own, SIGKILL, 5000);
+        assert_int_equal(access(test_own.socket, F_OK), 0);
+        assert_true(test_daemon_restart(&test_own, NULL));
         assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
         pccd_close(client);
     }
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* ---- private daemons --------------------------------------------------------------- */
@@ -462,8 +527,7 @@ CASE(private__daemon_does_not_watch_its_socket)
     struct pccd_client *client = NULL;
 
     assert_int_equal(connect_private(&client), 0);
-    assert_int_equal(
-        count_descriptors((pid_t)pccd_daemon_pid(client), "anon_inode:inotify"), 0);
+    assert_ok(count_descriptors((pid_t)pccd_daemon_pid(client), "anon_inode:inotify"));
     pccd_close(client);
 }
 
@@ -523,3 +587,75 @@ CASE(private__daemon_that_is_killed_is_an_error)
 }
 
 CASES_WITH(test_witness_start, test_witness_stop);
+
+/* ---- a test that dies -------------------------------------------------------------- */
+
+#define END_MS 10000
+
+/* Numbers that the child tells before it is killed. */
+struct told {
+    struct test_daemon daemon;
+    pid_t worker;
+};
+
+/* In the child: a daemon whose worker is stopped. */
+static void start_and_stop(int fd)
+{
+    static const char *const options[] = {"--supervise", "--threads", "1", NULL};
+    static struct test_raw raw;
+    static struct told told;
+    const struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
+    struct proto_HELLO_result result;
+
+    if (!test_daemon_start(&told.daemon, options) ||
+        !test_raw_open(&raw, told.daemon.socket) ||
+        test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, &result) != 0) {
+        _exit(1);
+    }
+    told.worker = (pid_t)result.pid;
+    if (kill(told.worker, SIGSTOP) != 0 ||
+        write(fd, &told, sizeof told) != (ssize_t)sizeof told) {
+        _exit(1);
+    }
+    (void)pause();
+    _exit(1);
+}
+
+/* Wait for the end of a child, or of an orphan, which is ours once its parent is gone. */
+static int await_end(pid_t pid)
+{
+    uint64_t until_ms = test_now_ms() + END_MS;
+    int status = -1;
+
+    while (waitpid(pid, &status, WNOHANG) != pid && test_now_ms() < until_ms) {
+        test_sleep_ms(1);
+    }
+    return status;
+}
+
+/* If it failed, a test that dies while a worker is stopped would leave that worker for
+ * ever, and whoever reads what the test says would wait for its end as long. */
+CASE(orphan__workers_end_with_their_test)
+{
+    struct told told = {.worker = 0};
+    int fds[2];
+
+    assert_int_equal(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
+    assert_int_equal(pipe(fds), 0);
+    pid_t test = fork();
+    assert_true(test >= 0);
+    if (test == 0) {
+        start_and_stop(fds[1]);
+    }
+    (void)close(fds[1]);
+    ssize_t got = read(fds[0], &told, sizeof told);
+    (void)close(fds[0]);
+    (void)kill(test, SIGKILL);
+    (void)await_end(test);
+    assert_int_equal(got, sizeof told);
+    int status = await_end(told.worker);
+    told.daemon.pid = 0; /* not ours to end; its folder is */
+    told.daemon.guard = 0;
+    (void)test_daemon_finish(&told.daemon);
+    assert_true(WIFSIGNALED(status));
+}

@@ -12,6 +12,7 @@
 #include "allocations.h"
 #include "crossing.h"
 #include "daemon.h"
+#include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "pccd.h"
@@ -231,8 +232,8 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
     uint32_t scene = test_scene(client);
     for (uint32_t i = 0; i < SHEETS; i++) {
         crumple(x, i, 0);
-        mesh[i] = test_mesh(client, x, PCCD_FORMAT_F32, SIDE * SIDE,
-                            (const uint32_t(*)[3])triangles, 2 * (SIDE - 1) * (SIDE - 1));
+        mesh[i] = test_mesh(client, x, PCCD_FORMAT_F32, SIDE * SIDE, triangles,
+                            2 * (SIDE - 1) * (SIDE - 1));
         object[i] = test_object(client, scene, mesh[i]);
     }
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
@@ -270,16 +271,14 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
 
 /* If it failed, a game that goes from the daemon to its own process, or back, would see
  * other contacts. */
-CASE(direct__answers_as_a_daemon_does)
+CASE_DAEMON(direct__answers_as_a_daemon_does, NULL)
 {
     static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
                                            PCCD_MODE_PAIRS, PCCD_MODE_FIRST_PER_PAIR};
-    struct test_daemon daemon;
     struct pccd_client *there;
     struct pccd_client *here = connect_direct();
 
-    assert_true(test_daemon_start(&daemon, NULL));
-    there = connect_to(daemon.url);
+    there = connect_to(test_own.url);
     assert_non_null(here);
     assert_non_null(there);
     assert_string_equal(pccd_url(here), "direct:");
@@ -297,7 +296,6 @@ CASE(direct__answers_as_a_daemon_does)
     }
     pccd_close(here);
     pccd_close(there);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 #define RAYS 400u
@@ -326,8 +324,7 @@ static void cast(struct pccd_client *client, uint32_t ends, struct pccd_ray_hit 
         crumple(x, i, 0);
         object[i] = test_object(client, scene,
                                 test_mesh(client, x, PCCD_FORMAT_F32, SIDE * SIDE,
-                                          (const uint32_t(*)[3])triangles,
-                                          2 * (SIDE - 1) * (SIDE - 1)));
+                                          triangles, 2 * (SIDE - 1) * (SIDE - 1)));
     }
     assert_ok(pccd_object_set(client, scene, object[2], &hidden));
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -365,15 +362,14 @@ static void cast(struct pccd_client *client, uint32_t ends, struct pccd_ray_hit 
 
 /* If it failed, a ray would hit another thing in the process than by a daemon, or where
  * the answer has several pages; or what is masked, or has ended. */
-CASE(direct__casts_as_a_daemon_does)
+CASE_DAEMON(direct__casts_as_a_daemon_does, NULL)
 {
     struct pccd_ray_hit hits[2][RAYS];
-    struct test_daemon daemon;
     struct pccd_client *client[2] = {connect_direct(), NULL};
 
-    assert_true(test_daemon_start(&daemon, NULL));
     assert_ok(pccd_connect(
-        &(struct pccd_options){.url = daemon.url, .result_bytes = 1u << 16}, &client[1]));
+        &(struct pccd_options){.url = test_own.url, .result_bytes = 1u << 16},
+        &client[1]));
     for (uint32_t ends = 1; ends <= 2; ends++) {
         memset(hits, 0, sizeof hits);
         cast(client[0], ends, hits[0]);
@@ -382,7 +378,6 @@ CASE(direct__casts_as_a_daemon_does)
     }
     pccd_close(client[0]);
     pccd_close(client[1]);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* ---- threads ----------------------------------------------------------------------- */

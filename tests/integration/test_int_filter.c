@@ -2,13 +2,10 @@
 #include "cases.h"
 
 #include <signal.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "crossing.h"
 #include "daemon.h"
+#include "false_daemon.h"
 #include "must.h"
 #include "object_attributes.h"
 #include "raw.h"
@@ -314,15 +311,9 @@ CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
 {
     static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static struct test_raw raw;
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result scene;
-    struct proto_SCENE_ADD_request add = {.mesh = 0};
-    struct proto_SCENE_ADD_result object;
     struct proto_OBJECT_SET_request request = {.what = 0x80000000u};
     struct proto_OBJECT_SET_result now;
-    struct proto_SCENE_IGNORE_request pair = {.ignored = true};
-    struct proto_SCENE_REMOVE_request remove;
-    uint32_t ids[2];
+    uint32_t mesh, ids[2];
 
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
@@ -331,21 +322,21 @@ CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
                      PCCD_E_HANDLE);
     assert_ok(test_raw_attach(&raw, 1, 4096));
-    assert_ok(test_raw_mesh(&raw, x, 3, test_triangle, 1, &add.mesh));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &scene));
-    add.scene = request.scene = pair.scene = remove.scene = scene.scene;
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object));
-    request.object = pair.a = pair.b = remove.object = object.object;
+    assert_ok(test_raw_mesh(&raw, x, 3, test_triangle, 1, &mesh));
+    assert_ok(test_raw_scene(&raw, "", &request.scene));
+    assert_ok(test_raw_add(&raw, request.scene, mesh, &request.object));
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, NULL),
                      PCCD_E_INVAL);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_IGNORE, &pair, NULL),
+    assert_int_equal(RAW_CALL(&raw, SCENE_IGNORE, NULL, .scene = request.scene,
+                              .a = request.object, .b = request.object, .ignored = true),
                      PCCD_E_INVAL);
     request.what = PCCD_OBJECT_GROUP;
     request.group = UINT64_MAX;
     assert_ok(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, &now));
     assert_true(now.group == UINT64_MAX && now.mask == UINT64_MAX && now.self_collision);
     /* Asked for behind its removal, before that is answered. */
-    ids[0] = test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove);
+    ids[0] =
+        RAW_SEND(&raw, SCENE_REMOVE, .scene = request.scene, .object = request.object);
     ids[1] = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &request);
     assert_ok(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_REMOVE, NULL));
     assert_int_equal(test_raw_answer(&raw, ids[1], PROTO_METHOD_OBJECT_SET, NULL),
@@ -354,55 +345,24 @@ CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
 }
 
 /* A daemon from before there were filters: it answers hello, and waits for the end. */
-static void be_old(int listener)
+static void be_old(void)
 {
-    static struct proto_encoder encoder;
-    static uint8_t message[PROTO_MESSAGE_BYTES_MAX];
-    struct proto_HELLO_result hello = {.version = 1, .features = PROTO_FEATURE_RESUME};
-    struct proto_envelope envelope;
-    struct proto_error error;
-    int peer = accept(listener, NULL, NULL);
-    ssize_t bytes = recv(peer, message, sizeof message, 0);
-
-    if (bytes > 0 && proto_decode(proto_decoder_new(), message, (size_t)bytes, &envelope,
-                                  &error) == 0) {
-        (void)proto_encode_result(&encoder, envelope.id, PROTO_METHOD_HELLO, &hello);
-        (void)send(peer, encoder.data, encoder.bytes, 0);
-        (void)recv(peer, message, sizeof message, 0);
-    }
-    _exit(0);
+    false_hello(1, PROTO_FEATURE_RESUME);
+    (void)false_next();
 }
 
 /* If it failed, a program would believe that an older daemon leaves out what it cannot,
  * or be told of a method that it never heard of. */
-CASE_WITH(filter__is_not_asked_of_an_older_daemon, setup, teardown)
+CASE_WITH(filter__is_not_asked_of_an_older_daemon, NULL, false_stop)
 {
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
-    char url[sizeof address.sun_path + 8];
-    int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-    pid_t old;
+    struct pccd_client *of_old = NULL;
 
-    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s/old",
-                   daemon_.directory);
-    (void)snprintf(url, sizeof url, "unix:%s", address.sun_path);
-    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address),
-                     0);
-    assert_int_equal(listen(listener, 1), 0);
-    old = fork();
-    assert_true(old >= 0);
-    if (old == 0) {
-        test_end_with_parent();
-        be_old(listener);
-    }
-    struct pccd_client *of_old = test_connect_once(url);
-    assert_non_null(of_old);
+    false_start(be_old);
+    assert_ok(false_connect(&of_old));
     assert_int_equal(pccd_object_set(of_old, 1, 1, &settings), PCCD_E_VERSION);
     assert_non_null(strstr(pccd_error_text(of_old), "older"));
     assert_int_equal(pccd_object_get(of_old, 1, 1, &settings), PCCD_E_VERSION);
     assert_int_equal(pccd_pair_ignore(of_old, 1, 1, 2, true), PCCD_E_VERSION);
     pccd_close(of_old);
-    assert_int_equal(waitpid(old, NULL, 0), old);
-    (void)close(listener);
-    (void)unlink(address.sun_path);
 }

@@ -229,8 +229,7 @@ CASE_CROSSING(flow__pages_add_up_to_the_whole_answer)
         &(struct pccd_options){.url = test_shared.url, .result_bytes = 65536});
     assert_ok(test_grid_make(small, 60, &grids[0]));
     assert_ok(test_grid_make(crossing->client, 60, &grids[1]));
-    records = calloc(3600, sizeof *records);
-    assert_non_null(records);
+    records = test_room(3600 * sizeof *records);
     for (int round = 0; round < 4; round++) {
         assert_ok(test_grid_turn(&grids[0], NULL, &page));
         assert_int_equal(page.total, 3600);

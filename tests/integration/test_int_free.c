@@ -211,19 +211,15 @@ CASE(free__refuses_what_cannot_be)
 
 /* If it failed, rods and clouds would not be there any more in a daemon that takes the
  * place of one that crashed. */
-CASE(free__comes_back_with_another_daemon)
+CASE_DAEMON(free__comes_back_with_another_daemon, "--supervise", "--threads", "1")
 {
-    const char *const options[] = {"--supervise", "--threads", "1", NULL};
-    struct test_daemon daemon;
     struct play play;
 
-    assert_true(test_daemon_start(&daemon, options));
-    begin(&play, daemon.url, NULL);
+    begin(&play, test_own.url, NULL);
     assert_int_equal(move(&play, 1, -1, 0.25, NULL).total, 4);
     assert_int_equal(kill((pid_t)pccd_daemon_pid(play.client), SIGKILL), 0);
     assert_int_equal(move(&play, 1, -1, 0.25, NULL).total, 4);
     pccd_close(play.client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* ---- recordings -------------------------------------------------------------------- */
@@ -269,8 +265,8 @@ CASE(free__is_recorded_repeated_and_verified)
     assert_int_equal(
         test_recording_repeats("--json --url direct: --method paper", test_recording, 6),
         6);
-    assert_int_equal(
-        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said), 0);
+    assert_ok(
+        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said));
     assert_int_equal(test_ctl_number(said, "contacts"), 6);
     assert_in_range(test_ctl_number(said, "non_contacts"), 1, 5000);
     assert_int_equal(test_ctl_number(said, "nears"), 4);
@@ -298,8 +294,8 @@ CASE(free__of_others_is_recorded_in_shared_scenes)
     pccd_close(other.client);
     pccd_close(play.client);
     assert_int_equal(test_recording_repeats("--json", test_recording, 1), 1);
-    assert_int_equal(
-        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said), 0);
+    assert_ok(
+        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said));
     assert_int_equal(test_ctl_number(said, "contacts"), 4);
 }
 

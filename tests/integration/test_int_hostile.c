@@ -29,39 +29,22 @@ struct malformed {
 #define BYTES(text) text, sizeof text - 1
 #define TEN(text)   text text text text text text text text text text
 
+/* One of each sentence of the decoder: test_proto_malformed.c has the others. */
 static const struct malformed malformed[] = {
     {"an empty array", BYTES("\x90")},
     {"no array", BYTES("\xc0")},
-    {"a map", BYTES("\x80")},
     {"the unused type", BYTES("\xc1")},
-    {"a header without items", BYTES("\x94")},
-    {"half a request", BYTES("\x94\x00\x01\xa4ping")},
     {"too few items", BYTES("\x93\x00\x01\xa4ping")},
-    {"too many items", BYTES("\x95\x00\x01\xa4ping\x80\xc0")},
     {"an unknown kind", BYTES("\x94\x03\x01\xa4ping\x80")},
-    {"a negative kind", BYTES("\x94\xff\x01\xa4ping\x80")},
     {"a negative id", BYTES("\x94\x00\xff\xa4ping\x80")},
-    {"an id as text", BYTES("\x94\x00\xa1x\xa4ping\x80")},
-    {"an id beyond 32 bits",
-     BYTES("\x94\x00\xcf\x00\x00\x00\x01\x00\x00\x00\x00\xa4ping\x80")},
     {"a method that is a number", BYTES("\x94\x00\x01\x05\x80")},
     {"params that are an array", BYTES("\x94\x00\x01\xa4ping\x90")},
-    {"params that are nil", BYTES("\x94\x00\x01\xa4ping\xc0")},
     {"bytes behind the message", BYTES("\x94\x00\x01\xa4ping\x80\xc0")},
-    {"two messages in one", BYTES("\x94\x00\x01\xa4ping\x80\x94\x00\x02\xa4ping\x80")},
     {"a response to nothing", BYTES("\x94\x01\x01\xc0\x80")},
     {"an array of 2^32-1", BYTES("\xdd\xff\xff\xff\xff")},
-    {"a map of 2^32-1", BYTES("\xdf\xff\xff\xff\xff")},
-    {"a string of 2^32-1", BYTES("\xdb\xff\xff\xff\xff")},
-    {"bytes of 2^32-1", BYTES("\xc6\xff\xff\xff\xff")},
     {"params of 2^31 fields", BYTES("\x94\x00\x01\xa4ping\xdf\x80\x00\x00\x00")},
-    {"an array of 65535", BYTES("\xdc\xff\xff\x00")},
-    {"a fixed ext", BYTES("\x94\x00\x01\xa4ping\x81\xa5token\xd4\x01\x00")},
     {"an ext", BYTES("\x94\x00\x01\xa4ping\x81\xa5token\xc7\x01\x05\x00")},
     {"a deep nest", BYTES(TEN("\x91") TEN("\x91") TEN("\x91") "\xc0")},
-    {"a deep nest in a field",
-     BYTES("\x94\x00\x01\xa4ping\x81\xa1x" TEN("\x91") TEN("\x91") "\xc0")},
-    {"a half number", BYTES("\x94\x00\x01\xa4ping\x81\xa5token\xcf\x00\x00")},
     {"text", BYTES("GET / HTTP/1.1\r\n\r\n")},
 };
 
@@ -203,7 +186,6 @@ static const struct {
 /* If it failed, one wrong request would cost the client its session, or be served. */
 CASE(message__wrong_requests_are_answered_and_survived)
 {
-    struct proto_PING_request ping = {.token = 1};
 
     test_witness_open_raw(&raw, 0);
     for (size_t i = 0; i < sizeof unserved / sizeof unserved[0]; i++) {
@@ -214,7 +196,7 @@ CASE(message__wrong_requests_are_answered_and_survived)
             fail_msg("%s: id %u, error %d \"%s\"", unserved[i].what, raw.envelope.id,
                      raw.envelope.error.code, raw.envelope.error.text);
         }
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL));
+        assert_ok(RAW_CALL(&raw, PING, NULL, .token = 1));
         test_witness_turn();
     }
     /* Unknown fields and notifications are for newer peers: no error. */
@@ -270,18 +252,17 @@ CASE(descriptors__from_clients_are_closed_and_refused)
  * a client that tried would be dropped for nothing. */
 CASE(descriptors__are_refused_by_the_kernel_where_it_can)
 {
-    struct proto_PING_request ping = {.token = 1};
     int before = test_witness_fd_count();
 
     test_witness_open_raw(&raw, 0);
     for (int i = 0; i < 40; i++) { /* so that it has seen, once, that there is no more */
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL));
+        assert_ok(RAW_CALL(&raw, PING, NULL, .token = 1));
     }
     if (test_raw_send(&raw, BYTES("\x94\x00\x01\xa4ping\x80"), 3)) {
         expect_refusal("descriptors", PCCD_E_BADMSG); /* Linux before 6.16 */
     } else {
         assert_int_equal(errno, EPERM);
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL));
+        assert_ok(RAW_CALL(&raw, PING, NULL, .token = 1));
         assert_true(test_witness_fd_count() <= before + 1); /* the connection's */
     }
     test_raw_close(&raw);
@@ -407,20 +388,18 @@ CASE(flood__of_connections_leaves_nothing)
     assert_true(test_witness_fd_count() <= before);
 }
 
-/* Send `count` steps of a scene, and what else is asked; of the `answers` that come then,
- * how many are busy. */
-static uint32_t flood_steps(uint32_t scene, uint32_t count,
-                            const struct proto_CANCEL_request *last, uint32_t answers)
+/* Send `count` steps of a scene, and cancel a request unless that is 0. Of the `answers`
+ * that come then, return how many are busy. */
+static uint32_t flood_steps(uint32_t scene, uint32_t count, uint32_t cancelled,
+                            uint32_t answers)
 {
-    struct proto_FRAME_SUBMIT_request submit = {.scene = scene};
     uint32_t busy = 0;
 
     for (uint32_t i = 0; i < count; i++) {
-        assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit),
-                             0);
+        assert_int_not_equal(RAW_SEND(&raw, FRAME_SUBMIT, .scene = scene), 0);
     }
-    if (last != NULL) {
-        assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, last), 0);
+    if (cancelled != 0) {
+        assert_int_not_equal(RAW_SEND(&raw, CANCEL, .id = cancelled), 0);
     }
     for (uint32_t i = 0; i < answers; i++) {
         assert_ok(test_raw_receive(&raw));
@@ -437,17 +416,15 @@ static uint32_t flood_steps(uint32_t scene, uint32_t count,
  * it. */
 CASE(flood__of_steps_is_answered_busy)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_CANCEL_request cancel = {0};
+    uint32_t scene, step;
 
     test_witness_open_raw(&raw, 65536);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
-    cancel.id = test_witness_long_step(&raw);
+    assert_ok(test_raw_scene(&raw, "", &scene));
+    step = test_witness_long_step(&raw);
     /* Two slots: one step waits for the long one. */
-    assert_int_equal(flood_steps(created.scene, 60, &cancel, 62), 59);
+    assert_int_equal(flood_steps(scene, 60, step, 62), 59);
     for (int round = 0; round < 20; round++) { /* as fast as they are answered */
-        assert_in_range(flood_steps(created.scene, 60, NULL, 60), 0, 58);
+        assert_in_range(flood_steps(scene, 60, 0, 60), 0, 58);
         test_witness_turn();
     }
     test_raw_close(&raw);
@@ -457,28 +434,22 @@ CASE(flood__of_steps_is_answered_busy)
  * them behind a long step of its own would fill the daemon's memory. */
 CASE(flood__of_scenes_behind_a_step_is_bounded)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_DESTROY_request destroy = {0};
-    struct proto_CANCEL_request cancel = {0};
+    uint32_t scene, step;
     uint32_t count = 0;
     int status;
 
     test_witness_open_raw(&raw, 65536);
-    cancel.id = test_witness_long_step(&raw);
-    while ((status = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created)) ==
-               0 &&
-           count < SCENES_TRIED) {
-        destroy.scene = created.scene;
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL));
+    step = test_witness_long_step(&raw);
+    while ((status = test_raw_scene(&raw, "", &scene)) == 0 && count < SCENES_TRIED) {
+        assert_ok(RAW_CALL(&raw, SCENE_DESTROY, NULL, .scene = scene));
         count++;
     }
     assert_int_equal(status, PCCD_E_BUSY);
     assert_true(count >= SCENES_MAX);
-    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel), 0);
+    assert_int_not_equal(RAW_SEND(&raw, CANCEL, .id = step), 0);
     /* What is left: the witness's scene, and the one of the long step. */
     assert_int_equal(test_stat_await(test_witness.crossing.client, "scenes_now", 2), 2);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_scene(&raw, "", &scene));
     test_raw_close(&raw);
 }
 

@@ -15,19 +15,16 @@ static uint64_t steps;
 static int setup(void **state)
 {
     static const char *const options[] = {"--shm-max-mib", "64", NULL};
-    struct proto_SCENE_CREATE_request create = {.name = "journal"};
-    struct proto_SCENE_CREATE_result made;
 
     (void)state;
     steps = 0;
-    if (!test_daemon_start(&daemon_, options) ||
-        test_raw_session(&raw, daemon_.socket, 2, 65536) != 0 ||
-        test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh) != 0 ||
-        test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made) != 0) {
-        return -1;
-    }
-    scene = made.scene;
-    return 0;
+    return test_daemon_start(&daemon_, options) &&
+                   test_raw_session(&raw, daemon_.socket, 2, 65536) == 0 &&
+                   test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh) ==
+                       0 &&
+                   test_raw_scene(&raw, "journal", &scene) == 0
+               ? 0
+               : -1;
 }
 
 static int teardown(void **state)
@@ -40,37 +37,23 @@ static int teardown(void **state)
 static int ask(uint64_t cursor, uint64_t begin, bool stop,
                struct proto_SCENE_JOURNAL_result *result)
 {
-    const struct proto_SCENE_JOURNAL_request request = {
-        .scene = scene, .cursor = cursor, .begin = begin, .stop = stop};
-
-    return test_raw_call(&raw, PROTO_METHOD_SCENE_JOURNAL, &request, result);
+    return RAW_CALL(&raw, SCENE_JOURNAL, result, .scene = scene, .cursor = cursor,
+                    .begin = begin, .stop = stop);
 }
 
 static void add(void)
 {
-    const struct proto_SCENE_ADD_request request = {.scene = scene, .mesh = mesh};
-    struct proto_SCENE_ADD_result result;
-
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &request, &result));
-    object = result.object;
+    assert_ok(test_raw_add(&raw, scene, mesh, &object));
 }
 
 /* The object goes to the height z, by a step of its session. */
 static void step(float z)
 {
-    uint8_t *payload = test_raw_payload(&raw, 0);
-    struct proto_segment segment = {
-        .object = object, .count = 3, .offset1 = sizeof segment};
-    struct proto_FRAME_SUBMIT_request request = {
-        .scene = scene, .segments = 1, .step = ++steps};
-    struct proto_FRAME_SUBMIT_result result;
-    float x[3][3];
+    const struct test_raw_crossing crossing = {.scene = scene, .object = object};
+    struct proto_FRAME_SUBMIT_request request = test_raw_turn(&raw, 0, &crossing, z);
 
-    test_crossing_positions(x, z);
-    memcpy(payload, &segment, sizeof segment);
-    memcpy(payload + sizeof segment, x, sizeof x);
-    request.seq = test_raw_publish(&raw, 0);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result));
+    request.step = ++steps;
+    assert_ok(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, NULL));
 }
 
 static const uint8_t *page(const struct proto_SCENE_JOURNAL_result *result)
@@ -83,7 +66,6 @@ CASE_WITH(journal__tells_what_is_done_in_order, setup, teardown)
 {
     static const int methods[] = {PROTO_METHOD_SCENE_ADD, PROTO_METHOD_FRAME_SUBMIT,
                                   PROTO_METHOD_FRAME_SUBMIT, PROTO_METHOD_SCENE_REMOVE};
-    struct proto_SCENE_REMOVE_request gone = {.scene = scene};
     struct proto_SCENE_JOURNAL_result result, again;
     union {
         struct proto_SCENE_ADD_request add;
@@ -96,12 +78,11 @@ CASE_WITH(journal__tells_what_is_done_in_order, setup, teardown)
 
     add();
     step(-1);
-    assert_int_equal(ask(0, MIB, false, &result), 0); /* object, where it is */
+    assert_ok(ask(0, MIB, false, &result)); /* object, where it is */
     assert_true(result.count > 0 && result.end == result.count && !result.full);
     step(0.5f);
-    gone.object = object;
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &gone, NULL));
-    assert_int_equal(ask(0, 0, false, &result), 0); /* nothing was taken: all of it */
+    assert_ok(RAW_CALL(&raw, SCENE_REMOVE, NULL, .scene = scene, .object = object));
+    assert_ok(ask(0, 0, false, &result)); /* nothing was taken: all of it */
     at = page(&result);
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
         assert_int_equal(test_raw_entry(&raw, &at, &told, &payload), methods[i]);
@@ -121,10 +102,10 @@ CASE_WITH(journal__tells_what_is_done_in_order, setup, teardown)
     }
     assert_ptr_equal(at, page(&result) + result.count);
     /* Once more, from the middle of an entry, and the same bytes. */
-    assert_int_equal(ask(result.end - 20, 0, false, &again), 0);
+    assert_ok(ask(result.end - 20, 0, false, &again));
     assert_int_equal(again.count, 20);
     assert_memory_equal(page(&again), page(&result) + result.end - 20, 20);
-    assert_int_equal(ask(result.end, 0, false, &again), 0);
+    assert_ok(ask(result.end, 0, false, &again));
     assert_int_equal(again.count, 0);
     assert_int_equal(ask(0, 0, false, &again), PCCD_E_INVAL); /* was forgotten */
     assert_int_equal(ask(result.end + 1, 0, false, &again), PCCD_E_INVAL);
@@ -137,47 +118,43 @@ CASE_WITH(journal__says_when_it_is_full, setup, teardown)
 
     add();
     assert_int_equal(ask(0, 64, false, &result), PCCD_E_LIMIT);
-    assert_int_equal(ask(0, 4096, false, &result), 0);
+    assert_ok(ask(0, 4096, false, &result));
     for (int i = 0; i < 40; i++) {
         step(i % 2 == 0 ? -1.0f : 1.0f);
     }
-    assert_int_equal(ask(0, 0, false, &result), 0);
+    assert_ok(ask(0, 0, false, &result));
     assert_true(result.full && result.count <= 4096 && result.count > 2048);
-    assert_int_equal(ask(result.end, 0, false, &later), 0);
+    assert_ok(ask(result.end, 0, false, &later));
     step(1);
-    assert_int_equal(ask(result.end, 0, false, &later), 0);
+    assert_ok(ask(result.end, 0, false, &later));
     assert_true(later.full && later.count == 0 && later.end == result.end);
-    assert_int_equal(ask(0, 0, true, &later), 0);
+    assert_ok(ask(0, 0, true, &later));
     assert_int_equal(ask(0, 0, false, &later), PCCD_E_STATE);
-    assert_int_equal(ask(0, 4096, false, &later), 0);
+    assert_ok(ask(0, 4096, false, &later));
     assert_false(later.full);
 }
 
 /* If it failed, journals would cost nothing, or for ever. */
 CASE_WITH(journal__is_charged_until_it_ends, setup, teardown)
 {
-    const struct proto_SCENE_DESTROY_request destroy = {.scene = scene};
-    struct proto_SCENE_CREATE_request create = {.name = "journal"};
-    struct proto_SCENE_CREATE_result made;
     struct proto_SCENE_JOURNAL_result result;
     uint64_t late = test_now_ms() + 5000;
 
     assert_int_equal(ask(0, 65 * MIB, false, &result), PCCD_E_QUOTA);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
+        assert_ok(ask(0, 60 * MIB, false, &result));
         assert_int_equal(ask(0, 1, false, &result), PCCD_E_STATE); /* there is one */
-        assert_int_equal(ask(0, 0, true, &result), 0);
+        assert_ok(ask(0, 0, true, &result));
         add(); /* so that the next one is refused */
         assert_int_equal(ask(0, 1, false, &result), PCCD_E_LIMIT);
     }
-    assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made));
-    scene = made.scene;
+    assert_ok(ask(0, 60 * MIB, false, &result));
+    assert_ok(RAW_CALL(&raw, SCENE_DESTROY, NULL, .scene = scene));
+    assert_ok(test_raw_scene(&raw, "journal", &scene));
     while (ask(0, 60 * MIB, false, &result) == PCCD_E_QUOTA && test_now_ms() < late) {
         test_sleep_ms(1); /* it is freed behind what is computed */
     }
-    assert_int_equal(ask(0, 0, false, &result), 0);
+    assert_ok(ask(0, 0, false, &result));
 }
 
 /* If it failed, what was refused would be kept, and nobody charged for it. */
@@ -187,20 +164,17 @@ CASE_WITH(journal__that_is_refused_is_none, setup, teardown)
 
     assert_int_equal(ask(1, 60 * MIB, false, &result), PCCD_E_INVAL); /* not its start */
     assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
-    assert_int_equal(ask(0, 60 * MIB, false, &result), 0);
+    assert_ok(ask(0, 60 * MIB, false, &result));
 }
 
 /* If it failed, nonsense would be taken for something. */
 CASE_WITH(journal__refuses_what_it_is_not_of, setup, teardown)
 {
-    const struct proto_SCENE_CREATE_request private = {.name = ""};
-    struct proto_SCENE_CREATE_result made;
     struct proto_SCENE_JOURNAL_result result;
 
     assert_int_equal(ask(0, 0, false, &result), PCCD_E_STATE);
     assert_int_equal(ask(0, MIB, true, &result), PCCD_E_INVAL);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &private, &made));
-    scene = made.scene;
+    assert_ok(test_raw_scene(&raw, "", &scene));
     assert_int_equal(ask(0, MIB, false, &result), PCCD_E_INVAL);
     scene = 77;
     assert_int_equal(ask(0, MIB, false, &result), PCCD_E_HANDLE);

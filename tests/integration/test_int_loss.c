@@ -159,11 +159,7 @@ static void end_over_a_mesh(void)
     (void)proto_decode_body(&false_daemon.envelope,
                             &proto_messages[PROTO_METHOD_MESH_CREATE].request, &create,
                             &error);
-    error =
-        (struct proto_error){.code = create.want == WANTED ? PCCD_E_BUSY : PCCD_E_HANDLE};
-    (void)proto_encode_error(&false_daemon.encoder, false_daemon.envelope.id, &error);
-    (void)proto_send(false_daemon.socket, false_daemon.encoder.data,
-                     false_daemon.encoder.bytes, NULL, 0);
+    false_refuse(create.want == WANTED ? PCCD_E_BUSY : PCCD_E_HANDLE, "");
     (void)false_next();
 }
 

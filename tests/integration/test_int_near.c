@@ -51,8 +51,7 @@ static struct whole read_all(struct pccd_client *client, uint32_t scene,
     size_t each = record_bytes(page);
     uint64_t got = 0;
 
-    whole.records = malloc(page->total * each + 1);
-    assert_non_null(whole.records);
+    whole.records = test_room(page->total * each);
     for (;;) {
         assert_true(page->is_near);
         assert_int_equal(page->first, got);

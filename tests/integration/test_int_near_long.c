@@ -395,25 +395,6 @@ CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
 
 static struct test_raw raw;
 
-/* A triangle over a floor; the triangle. */
-static uint32_t open_raw_scene(uint32_t *scene)
-{
-    const struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result made;
-    struct proto_SCENE_ADD_request add = {.mesh = 0};
-    struct proto_SCENE_ADD_result object = {.object = 0};
-
-    assert_ok(test_raw_attach(&raw, 2, 4096));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made));
-    *scene = add.scene = made.scene;
-    for (int i = 0; i < 2; i++) {
-        assert_ok(test_raw_mesh(&raw, i == 0 ? test_floor_x : test_triangle_x, 3,
-                                test_triangle, 1, &add.mesh));
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object));
-    }
-    return object.object;
-}
-
 /* If it failed, a question whose answer was lost would be answered about another moment,
  * or move the scene twice. */
 CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
@@ -425,21 +406,18 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
         {.what = PCCD_NEAR_PAIRS, .distance = 1, .step = 2, .segments = 1}};
     struct proto_SCENE_NEAR_result answers[2];
     struct proto_SCENE_NEAR_result repeated;
-    struct proto_segment segment = {
-        .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = sizeof segment};
+    struct test_raw_crossing scene;
     uint32_t ids[2];
-    float x[3][3];
 
     start_with((const char *const[]){"--linger", "5", NULL}, 2);
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_hello_again(&raw, NULL, &session), 0);
     assert_true((session.features & PROTO_FEATURE_NEAR) != 0);
-    segment.object = open_raw_scene(&asked[0].scene);
-    asked[1].scene = asked[0].scene;
-    test_crossing_positions(x, 3); /* its beginning is within 1, its end is not */
-    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
-    memcpy(test_raw_payload(&raw, 0) + sizeof segment, x, sizeof x);
-    asked[1].seq = test_raw_publish(&raw, 0);
+    assert_ok(test_raw_attach(&raw, 2, 4096));
+    assert_ok(test_raw_build(&raw, "", test_triangle_x, &scene));
+    asked[0].scene = asked[1].scene = scene.scene;
+    /* Its beginning is within 1, its end is not. */
+    asked[1].seq = test_raw_turn(&raw, 0, &scene, 3).seq;
     for (uint32_t i = 0; i < 2; i++) {
         ids[i] = test_raw_request(&raw, PROTO_METHOD_SCENE_NEAR, &asked[i]);
     }
@@ -471,17 +449,18 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
  * take. */
 CASE_WITH(near__counts_among_the_steps_in_flight, NULL, teardown)
 {
-    struct proto_SCENE_NEAR_request asked = {.what = PCCD_NEAR_PAIRS, .end = 1};
+    struct test_raw_crossing scene;
     uint64_t long_step = 0;
     uint32_t ids[3];
 
     start_with(NULL, SIDE);
-    assert_ok(test_raw_session(&raw, daemon_.socket, 0, 0));
-    (void)open_raw_scene(&asked.scene);
+    assert_ok(test_raw_session(&raw, daemon_.socket, 2, 4096));
+    assert_ok(test_raw_build(&raw, "", test_triangle_x, &scene));
     assert_int_equal(raw.ring.inflight_max, 2);
     assert_ok(test_grid_submit(&grid, NULL, &long_step)); /* before which they wait */
     for (uint32_t i = 0; i < 3; i++) {
-        ids[i] = test_raw_request(&raw, PROTO_METHOD_SCENE_NEAR, &asked);
+        ids[i] = RAW_SEND(&raw, SCENE_NEAR, .scene = scene.scene, .what = PCCD_NEAR_PAIRS,
+                          .end = 1);
     }
     assert_int_equal(test_raw_answer(&raw, ids[2], PROTO_METHOD_SCENE_NEAR, NULL),
                      PCCD_E_BUSY);

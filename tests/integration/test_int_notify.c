@@ -45,9 +45,8 @@ static void manage(bool is_abstract)
     f.fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     assert_true(f.fd >= 0);
     assert_int_equal(setsockopt(f.fd, SOL_SOCKET, SO_PASSCRED, &yes, sizeof yes), 0);
-    assert_int_equal(bind(f.fd, (const struct sockaddr *)&address,
-                          (socklen_t)(offsetof(struct sockaddr_un, sun_path) + length)),
-                     0);
+    assert_ok(bind(f.fd, (const struct sockaddr *)&address,
+                   (socklen_t)(offsetof(struct sockaddr_un, sun_path) + length)));
     assert_int_equal(setenv("NOTIFY_SOCKET", name, 1), 0);
 }
 

@@ -370,37 +370,31 @@ CASE_CROSSING(watch__who_reads_late_hears_of_all_that_fits)
 static int ask_as_nobody(uint64_t session)
 {
     static struct test_raw raw;
-    struct proto_LIST_SESSION_request list = {.before = 0};
     struct proto_LIST_SESSION_result listed = {.session = 0};
-    struct proto_LIST_SCENE_request scene = {.session = session};
-    struct proto_WATCH_START_request all = {.session = 0};
-    struct proto_WATCH_START_request one = {.session = session};
-    struct proto_CONFIG_SET_request set = {.name = "grace", .value = "1"};
-    struct proto_CONFIG_GET_request get = {.name = "grace"};
     int status = 0;
 
     if (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
         test_raw_session(&raw, test_shared.socket, 0, 0) != 0) {
         return 1;
     }
-    if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
+    if (RAW_CALL(&raw, LIST_SESSION, &listed, .before = 0) != 0 ||
         listed.session == session || listed.uid != NOBODY) {
         status |= 2;
     }
-    list.before = listed.session; /* its own is the only one */
-    if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
+    if (RAW_CALL(&raw, LIST_SESSION, &listed, .before = listed.session) != 0 ||
         listed.session != 0) {
-        status |= 4;
+        status |= 4; /* its own is the only one */
     }
-    if (test_raw_call(&raw, PROTO_METHOD_LIST_SCENE, &scene, NULL) != PCCD_E_HANDLE ||
-        test_raw_call(&raw, PROTO_METHOD_WATCH_START, &one, NULL) != PCCD_E_HANDLE) {
+    if (RAW_CALL(&raw, LIST_SCENE, NULL, .session = session) != PCCD_E_HANDLE ||
+        RAW_CALL(&raw, WATCH_START, NULL, .session = session) != PCCD_E_HANDLE) {
         status |= 8;
     }
-    if (test_raw_call(&raw, PROTO_METHOD_WATCH_START, &all, NULL) != PCCD_E_ACCESS) {
+    if (RAW_CALL(&raw, WATCH_START, NULL, .session = 0) != PCCD_E_ACCESS) {
         status |= 16;
     }
-    if (test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &set, NULL) != PCCD_E_ACCESS ||
-        test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, NULL) != 0) {
+    if (RAW_CALL(&raw, CONFIG_SET, NULL, .name = "grace", .value = "1") !=
+            PCCD_E_ACCESS ||
+        RAW_CALL(&raw, CONFIG_GET, NULL, .name = "grace") != 0) {
         status |= 32;
     }
     test_raw_close(&raw);
@@ -434,14 +428,11 @@ CASE_CROSSING(observe__other_users_are_refused)
 
 /* If it failed, an operator who has let more clients in would find them refused again
  * after a crash. */
-CASE(config__outlives_a_crash)
+CASE_DAEMON(config__outlives_a_crash, "--supervise")
 {
-    static const char *const options[] = {"--supervise", NULL};
-    struct test_daemon daemon;
     pid_t worker;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_ok(pccd_config_set(client, "clients-max", "7"));
     assert_ok(pccd_config_set(client, "log-level", "warn"));
     for (int i = 0; i < 2; i++) {
@@ -454,7 +445,6 @@ CASE(config__outlives_a_crash)
         expect_setting(client, "meshes-max", "131072", false);
     }
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 CASES_WITH(test_shared_start, test_shared_stop);

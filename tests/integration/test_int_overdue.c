@@ -235,30 +235,16 @@ CASE_WITH(overdue__step_is_answered_while_its_thread_looks_at_nothing, start, te
 
 static struct test_raw raw;
 
-static uint32_t add_object(uint32_t scene, uint32_t mesh)
-{
-    struct proto_SCENE_ADD_request add = {.scene = scene, .mesh = mesh};
-    struct proto_SCENE_ADD_result added;
-
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-    return added.object;
-}
-
 /* A step of an object that a request before it removes. Returns as test_raw_call. */
 static int submit_doomed(uint32_t scene, uint32_t object,
                          struct proto_FRAME_SUBMIT_result *result)
 {
-    const struct proto_SCENE_REMOVE_request remove = {.scene = scene, .object = object};
-    const struct proto_segment segment = {
-        .object = object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
-    struct proto_FRAME_SUBMIT_request submit = {
-        .scene = scene, .segments = 1, .deadline_ns = DEADLINE_NS};
+    struct proto_FRAME_SUBMIT_request submit =
+        test_raw_move(&raw, 0, scene, object, test_triangle_x, 3);
     uint32_t id;
 
-    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
-    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof test_triangle_x);
-    submit.seq = test_raw_publish(&raw, 0);
-    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove), 0);
+    submit.deadline_ns = DEADLINE_NS;
+    assert_true(RAW_SEND(&raw, SCENE_REMOVE, .scene = scene, .object = object) != 0);
     id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
     return test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, result);
 }
@@ -267,31 +253,26 @@ static int submit_doomed(uint32_t scene, uint32_t object,
  * that the daemon has not. */
 CASE_WITH(overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardown)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_FRAME_SUBMIT_request still = {.segments = 0};
     struct proto_FRAME_SUBMIT_result result;
-    uint32_t mesh = 0;
+    uint32_t scene, mesh, object;
     int status = PCCD_E_HANDLE;
 
     assert_ok(test_raw_session(&raw, test_shared.socket, 2, 65536));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_scene(&raw, "", &scene));
     assert_ok(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh));
-    still.scene = created.scene;
     /* Once in a while the long step ends at once, and it is told in its turn. */
     for (int i = 0; i < TRIES && status == PCCD_E_HANDLE; i++) {
-        uint32_t object = add_object(created.scene, mesh);
         uint64_t step;
 
+        assert_ok(test_raw_add(&raw, scene, mesh, &object));
         assert_ok(test_grid_submit(&grid, NULL, &step));
-        status = submit_doomed(created.scene, object, &result);
+        status = submit_doomed(scene, object, &result);
         expect_whole(step);
     }
     assert_int_equal(status, 0);
     assert_int_equal(result.incomplete, PCCD_INCOMPLETE_DEADLINE);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result),
-                     PCCD_E_HANDLE);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result));
+    assert_int_equal(RAW_CALL(&raw, FRAME_SUBMIT, NULL, .scene = scene), PCCD_E_HANDLE);
+    assert_ok(RAW_CALL(&raw, FRAME_SUBMIT, &result, .scene = scene));
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     test_raw_close(&raw);
 }

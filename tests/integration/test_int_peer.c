@@ -386,8 +386,7 @@ CASE(peer__of_another_user_is_not_spoken_to)
                    false_daemon.socket_path);
     listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     assert_true(listener >= 0);
-    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address),
-                     0);
+    assert_ok(bind(listener, (const struct sockaddr *)&address, sizeof address));
     assert_int_equal(seteuid(OTHER_USER), 0);
     assert_int_equal(listen(listener, 4), 0);
     assert_int_equal(seteuid(0), 0);

@@ -9,7 +9,7 @@
 #define SCENES_MAX 64u
 
 static struct test_raw raw;
-static uint32_t scene, mesh, objects[2];
+static uint32_t scene, objects[2];
 
 static void call(int method, const void *request, void *result)
 {
@@ -21,18 +21,16 @@ static void call(int method, const void *request, void *result)
 }
 
 /* Refused, by a sentence that names what was wrong, and the session goes on. */
-static void refuse(int method, const void *request, int code, const char *word)
+static void refused(int status, int code, const char *word)
 {
-    uint64_t token = 77;
-    struct proto_PING_request ping = {.token = token};
     struct proto_PING_result pong;
-    assert_int_equal(test_raw_call(&raw, method, request, NULL), code);
+    assert_int_equal(status, code);
     assert_false(raw.error.fatal);
     if (strstr(raw.error.text, word) == NULL) {
         fail_msg("\"%s\" does not say %s", raw.error.text, word);
     }
-    call(PROTO_METHOD_PING, &ping, &pong);
-    assert_int_equal(pong.token, token);
+    assert_ok(RAW_CALL(&raw, PING, &pong, .token = 77));
+    assert_int_equal(pong.token, 77);
 }
 
 static int open_raw(void **state)
@@ -52,23 +50,13 @@ static int close_raw(void **state)
  * height 0, and a small one. */
 static void make_scene_with(const char *name, const float (*small)[3])
 {
-    struct proto_SCENE_CREATE_request create = {.share = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
-    uint32_t floor = 0;
+    struct test_raw_crossing made;
     assert_ok(test_raw_hello(&raw));
     assert_ok(test_raw_attach(&raw, 2, SLOT_BYTES));
-    assert_ok(test_raw_mesh(&raw, test_floor_x, 3, test_triangle, 1, &floor));
-    assert_ok(test_raw_mesh(&raw, small, 3, test_triangle, 1, &mesh));
-    strcpy(create.name, name);
-    call(PROTO_METHOD_SCENE_CREATE, &create, &created);
-    add.scene = scene = created.scene;
-    for (int i = 0; i < 2; i++) {
-        add.mesh = i == 0 ? floor : mesh;
-        call(PROTO_METHOD_SCENE_ADD, &add, &added);
-        objects[i] = added.object;
-    }
+    assert_ok(test_raw_build(&raw, name, small, &made));
+    scene = made.scene;
+    objects[0] = made.floor;
+    objects[1] = made.object;
 }
 
 /* The small one at height 1. */
@@ -83,31 +71,42 @@ static void make_scene(const char *name)
  * common one, and be dropped, or one that says hello twice would lose its session. */
 CASE_WITH(hello__upside_down_or_twice_is_refused_and_nothing_is_lost, open_raw, close_raw)
 {
-    const struct proto_HELLO_request upside_down = {.version_min = 2, .version_max = 1};
-    const struct proto_HELLO_request again = {.version_min = 1, .version_max = 1};
-    struct proto_SCENE_DESTROY_request destroy = {0};
-    refuse(PROTO_METHOD_HELLO, &upside_down, PCCD_E_INVAL, "version_min 2");
+    refused(RAW_CALL(&raw, HELLO, NULL, .version_min = 2, .version_max = 1), PCCD_E_INVAL,
+            "version_min 2");
     make_scene("");
-    refuse(PROTO_METHOD_HELLO, &again, PCCD_E_STATE, "already");
-    destroy.scene = scene;
-    call(PROTO_METHOD_SCENE_DESTROY, &destroy, NULL);
+    refused(RAW_CALL(&raw, HELLO, NULL, .version_min = 1, .version_max = 1), PCCD_E_STATE,
+            "already");
+    assert_ok(RAW_CALL(&raw, SCENE_DESTROY, NULL, .scene = scene));
 }
 
 /* ---- statuses ---------------------------------------------------------------------- */
+
+static int attach(struct proto_SCENE_CREATE_result *result)
+{
+    return RAW_CALL(&raw, SCENE_CREATE, result, .name = "later",
+                    .share = PCCD_SHARE_ATTACH);
+}
+
+static int announce(uint32_t want, uint32_t *made)
+{
+    struct proto_MESH_CREATE_result result = {.mesh = 0};
+    int status = RAW_CALL(&raw, MESH_CREATE, &result, .vertex_count = 3,
+                          .triangle_count = 1, .want = want);
+    *made = result.mesh;
+    return status;
+}
 
 /* If it failed, who waits for another session's scene could not tell that from a mistake
  * of its own. */
 CASE_WITH(status__a_shared_scene_that_is_not_there_is_again, open_raw, close_raw)
 {
-    const struct proto_SCENE_CREATE_request attach = {.name = "later", .share = 2};
-    const struct proto_SCENE_CREATE_request make = {.name = "later", .share = 0};
     struct proto_SCENE_CREATE_result result;
     struct test_raw other;
     assert_ok(test_raw_hello(&raw));
-    refuse(PROTO_METHOD_SCENE_CREATE, &attach, PCCD_E_AGAIN, "later");
+    refused(attach(&result), PCCD_E_AGAIN, "later");
     assert_ok(test_raw_session(&other, test_shared.socket, 0, 0));
-    assert_ok(test_raw_call(&other, PROTO_METHOD_SCENE_CREATE, &make, &result));
-    call(PROTO_METHOD_SCENE_CREATE, &attach, &result);
+    assert_ok(test_raw_scene(&other, "later", &scene));
+    assert_ok(attach(&result));
     assert_true(result.existed);
     test_raw_close(&other);
 }
@@ -115,52 +114,39 @@ CASE_WITH(status__a_shared_scene_that_is_not_there_is_again, open_raw, close_raw
 /* If it failed, a method would need the shared memory, or not, against what is said. */
 CASE_WITH(status__what_needs_the_ring_is_refused_before_it, open_raw, close_raw)
 {
-    struct proto_SCENE_CREATE_request create = {.share = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
-    struct proto_MESH_CREATE_result announced;
+    uint32_t mesh;
     assert_ok(test_raw_hello(&raw));
-    call(PROTO_METHOD_SCENE_CREATE, &create, &created);
-    call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
-    const struct proto_MESH_DATA_request data = {
-        .mesh = announced.mesh, .seq = 2, .count = 3};
-    const struct proto_MESH_EDGES_request edges = {.mesh = announced.mesh, .count = 1};
-    const struct proto_FRAME_SUBMIT_request submit = {.scene = created.scene};
-    const struct proto_FRAME_FETCH_request fetch = {.scene = created.scene};
-    const struct proto_SCENE_BOXES_request boxes = {.scene = created.scene, .count = 1};
-    const struct proto_TRACE_DUMP_request dump = {.count = 1};
-    refuse(PROTO_METHOD_MESH_DATA, &data, PCCD_E_STATE, "shm.attach");
-    refuse(PROTO_METHOD_MESH_EDGES, &edges, PCCD_E_STATE, "shm.attach");
-    refuse(PROTO_METHOD_FRAME_SUBMIT, &submit, PCCD_E_STATE, "shm.attach");
-    refuse(PROTO_METHOD_FRAME_FETCH, &fetch, PCCD_E_STATE, "shm.attach");
-    refuse(PROTO_METHOD_SCENE_BOXES, &boxes, PCCD_E_STATE, "shm.attach");
-    refuse(PROTO_METHOD_TRACE_DUMP, &dump, PCCD_E_STATE, "");
+    assert_ok(test_raw_scene(&raw, "", &scene));
+    assert_ok(announce(0, &mesh));
+#define NEEDS_RING(METHOD, ...)                                                          \
+    refused(RAW_CALL(&raw, METHOD, NULL, __VA_ARGS__), PCCD_E_STATE, "shm.attach")
+    NEEDS_RING(MESH_DATA, .mesh = mesh, .seq = 2, .count = 3);
+    NEEDS_RING(MESH_EDGES, .mesh = mesh, .count = 1);
+    NEEDS_RING(FRAME_SUBMIT, .scene = scene);
+    NEEDS_RING(FRAME_FETCH, .scene = scene);
+    NEEDS_RING(SCENE_BOXES, .scene = scene, .count = 1);
+    refused(RAW_CALL(&raw, TRACE_DUMP, NULL, .count = 1), PCCD_E_STATE, "");
 }
 
 /* If it failed, who brings handles back to another daemon would not learn why one cannot
  * be had, or what a scene may have would be said to be something else. */
 CASE_WITH(status__a_handle_that_cannot_be_had_says_why, open_raw, close_raw)
 {
-    struct proto_SCENE_CREATE_request create = {.share = 0};
-    struct proto_MESH_CREATE_request announce = {.vertex_count = 3, .triangle_count = 1};
-    struct proto_MESH_CREATE_result announced;
+    uint32_t mesh, other;
     assert_ok(test_raw_hello(&raw));
-    call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
-    announce.want = announced.mesh;
-    refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_HANDLE, "place is taken");
-    announce.want = 7; /* of no generation */
-    refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_HANDLE, "no such handle");
-    announce.want = announced.mesh + 3000;
-    call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
-    assert_int_equal(announced.mesh, announce.want);
+    assert_ok(announce(0, &mesh));
+    refused(announce(mesh, &other), PCCD_E_HANDLE, "place is taken");
+    refused(announce(7, &other), PCCD_E_HANDLE, "no such handle"); /* of no generation */
+    assert_ok(announce(mesh + 3000, &other));
+    assert_int_equal(other, mesh + 3000);
     if (test_is_direct()) {
         return; /* has no options, so as many scenes as there may be */
     }
     for (uint32_t i = 0; i < SCENES_MAX; i++) {
-        call(PROTO_METHOD_SCENE_CREATE, &create, NULL);
+        assert_ok(test_raw_scene(&raw, "", &scene));
     }
-    refuse(PROTO_METHOD_SCENE_CREATE, &create, PCCD_E_LIMIT,
-           "another scene: there are 64");
+    refused(test_raw_scene(&raw, "", &scene), PCCD_E_LIMIT,
+            "another scene: there are 64");
 }
 
 /* ---- fields that are not needed ---------------------------------------------------- */
@@ -169,14 +155,13 @@ CASE_WITH(status__a_handle_that_cannot_be_had_says_why, open_raw, close_raw)
  * does not have, or wait for one in vain. */
 CASE_WITH(stats__leave_out_what_is_zero_and_not_needed, open_raw, close_raw)
 {
-    const struct proto_STATS_request request = {.reserved = 0};
     const struct proto_fields *fields = &proto_messages[PROTO_METHOD_STATS].result;
     struct proto_STATS_result result;
     uint32_t zeros = 0;
     uint32_t absent = 0;
     assert_ok(test_raw_hello(&raw));
     memset(raw.message, 0, sizeof raw.message); /* nothing of older messages */
-    call(PROTO_METHOD_STATS, &request, &result);
+    assert_ok(RAW_CALL(&raw, STATS, &result, .reserved = 0));
     for (uint32_t i = 0; i < fields->count; i++) {
         const struct proto_field *field = &fields->items[i];
         uint64_t value = 1; /* of `cpu`, which is never empty */
@@ -205,22 +190,17 @@ static uint64_t done_seq(void)
  * or would count on it where nothing is computed. */
 CASE_WITH(done_seq__counts_lists_of_pairs_and_no_other_lists, open_raw, close_raw)
 {
-    struct proto_SCENE_IGNORE_request ignore = {.ignored = true};
-    struct proto_LIST_PAIR_request pair = {0};
     struct proto_LIST_PAIR_result told;
-    struct proto_LIST_OBJECT_request object = {0};
     struct proto_LIST_OBJECT_result listed;
     uint64_t before = 0;
     make_scene("");
-    object.scene = pair.scene = ignore.scene = scene;
-    ignore.a = objects[0];
-    ignore.b = objects[1];
-    call(PROTO_METHOD_SCENE_IGNORE, &ignore, NULL);
+    assert_ok(RAW_CALL(&raw, SCENE_IGNORE, NULL, .scene = scene, .a = objects[0],
+                       .b = objects[1], .ignored = true));
     before = done_seq();
-    call(PROTO_METHOD_LIST_PAIR, &pair, &told);
+    assert_ok(RAW_CALL(&raw, LIST_PAIR, &told, .scene = scene));
     assert_true(told.a == objects[0] && told.b == objects[1]);
     assert_int_equal(done_seq(), before + 1);
-    call(PROTO_METHOD_LIST_OBJECT, &object, &listed);
+    assert_ok(RAW_CALL(&raw, LIST_OBJECT, &listed, .scene = scene));
     assert_int_equal(listed.object, objects[0]);
     assert_int_equal(done_seq(), before + 1);
 }
@@ -247,7 +227,7 @@ static void fall(float z0, float z1, uint32_t mode,
     assert_int_equal(answer->mode, mode);
     assert_int_equal(answer->incomplete, 0);
     assert_int_equal(answer->total, answer->vf + answer->ee);
-    atomic_store(&test_raw_upload(&raw)->result_head.value, answer->release);
+    test_raw_release(&raw, answer->release);
 }
 
 /* If it failed, a client would read a verdict or a time that the mode does not give. */
@@ -277,6 +257,11 @@ CASE_WITH(answer__fields_outside_their_mode_are_as_said, open_raw, close_raw)
 }
 
 /* ---- the journal ------------------------------------------------------------------- */
+
+static void journal(uint64_t begin, struct proto_SCENE_JOURNAL_result *page)
+{
+    assert_ok(RAW_CALL(&raw, SCENE_JOURNAL, page, .scene = scene, .begin = begin));
+}
 
 static uint32_t u32_at(const uint8_t *at)
 {
@@ -341,12 +326,10 @@ static void check_step(const struct proto_FRAME_SUBMIT_request *submit,
  * the wrong bytes. */
 CASE_WITH(journal__is_laid_out_as_the_document_says, open_raw, close_raw)
 {
-    struct proto_SCENE_JOURNAL_request ask = {.begin = MIB};
     struct proto_SCENE_JOURNAL_result page;
     struct proto_FRAME_SUBMIT_result answer;
     struct proto_OBJECT_SET_request set = {.what = 7, .group = 5, .mask = 6};
     struct proto_SCENE_IGNORE_request ignore = {.ignored = true};
-    struct proto_SCENE_REMOVE_request remove = {0};
     union {
         struct proto_SCENE_ADD_request add;
         struct proto_FRAME_SUBMIT_request submit;
@@ -355,16 +338,15 @@ CASE_WITH(journal__is_laid_out_as_the_document_says, open_raw, close_raw)
         struct proto_SCENE_REMOVE_request remove;
     } told;
     make_scene("journal");
-    ask.scene = set.scene = ignore.scene = remove.scene = scene;
-    set.object = ignore.a = remove.object = objects[1];
+    set.scene = ignore.scene = scene;
+    set.object = ignore.a = objects[1];
     ignore.b = objects[0];
-    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    journal(MIB, &page);
     fall(1, -1, PCCD_MODE_ANY, &answer);
     call(PROTO_METHOD_OBJECT_SET, &set, NULL);
     call(PROTO_METHOD_SCENE_IGNORE, &ignore, NULL);
-    call(PROTO_METHOD_SCENE_REMOVE, &remove, NULL);
-    ask.begin = 0;
-    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    assert_ok(RAW_CALL(&raw, SCENE_REMOVE, NULL, .scene = scene, .object = objects[1]));
+    journal(0, &page);
     const uint8_t *at = (const uint8_t *)raw.result.base + page.offset;
     const uint8_t *end = at + page.count;
     (void)entry_at(&at, PROTO_METHOD_SCENE_ADD, &told.add);
@@ -379,7 +361,8 @@ CASE_WITH(journal__is_laid_out_as_the_document_says, open_raw, close_raw)
     (void)entry_at(&at, PROTO_METHOD_SCENE_IGNORE, &told.ignore);
     assert_memory_equal(&told.ignore, &ignore, sizeof ignore);
     (void)entry_at(&at, PROTO_METHOD_SCENE_REMOVE, &told.remove);
-    assert_memory_equal(&told.remove, &remove, sizeof remove);
+    assert_int_equal(told.remove.scene, scene);
+    assert_int_equal(told.remove.object, objects[1]);
     assert_ptr_equal(at, end);
 }
 
@@ -440,13 +423,11 @@ static void write_rigid(struct prng *prng, uint32_t at, uint32_t first, uint32_t
  * begins with them. */
 static void read_step(double x[2][3][3])
 {
-    struct proto_SCENE_JOURNAL_request ask = {.scene = scene, .begin = MIB};
-    const struct proto_SCENE_JOURNAL_request stop = {.scene = scene, .stop = true};
     struct proto_SCENE_JOURNAL_result page;
     struct proto_FRAME_SUBMIT_request told;
     struct proto_SCENE_ADD_request add;
     struct proto_segment segment;
-    call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
+    journal(MIB, &page);
     const uint8_t *at = (const uint8_t *)raw.result.base + page.offset;
     (void)entry_at(&at, PROTO_METHOD_SCENE_ADD, &add);
     (void)entry_at(&at, PROTO_METHOD_SCENE_ADD, &add);
@@ -457,8 +438,8 @@ static void read_step(double x[2][3][3])
     assert_true(segment.object == objects[1] && segment.count == 3);
     memcpy(x[0], slot + segment.offset0, sizeof x[0]);
     memcpy(x[1], slot + segment.offset1, sizeof x[1]);
-    atomic_store(&test_raw_upload(&raw)->result_head.value, page.release);
-    call(PROTO_METHOD_SCENE_JOURNAL, &stop, NULL);
+    test_raw_release(&raw, page.release);
+    assert_ok(RAW_CALL(&raw, SCENE_JOURNAL, NULL, .scene = scene, .stop = true));
 }
 
 /* If it failed, whoever computes rigid motion by the document, as to verify an answer or
@@ -505,12 +486,4 @@ CASE_WITH(rigid__leaves_the_rest_of_the_object_where_it_is, open_raw, close_raw)
     assert_memory_equal(found, expected, sizeof found);
 }
 
-static int start(void **state)
-{
-    static const char *const options[] = {"--scenes-max", "64", NULL};
-
-    (void)state;
-    return test_shared_start_with(options);
-}
-
-CASES_WITH(start, test_shared_stop);
+CASES_WITH_DAEMON("--scenes-max", "64");

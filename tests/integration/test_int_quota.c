@@ -10,6 +10,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "farm.h"
+#include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "raw.h"
@@ -56,16 +57,13 @@ static int fall(struct stack *stack, struct pccd_answer *answer)
 
 /* If it failed, the records of answers would be memory that nobody is charged for: a few
  * triangles are enough to fill the machine. */
-CASE(memory__of_answers_is_bounded)
+CASE_DAEMON(memory__of_answers_is_bounded, "--memory-max-mib", "24")
 {
-    static const char *const options[] = {"--memory-max-mib", "24", NULL};
-    struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
     uint64_t before;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     before = test_stat(client, "engine_bytes_now");
     assert_int_equal(make_stack(client, &stack), 0);
     for (int i = 0; i < 4; i++) {
@@ -78,22 +76,18 @@ CASE(memory__of_answers_is_bounded)
     assert_ok(pccd_scene_destroy(client, stack.grid.scene));
     pccd_close(client);
     test_grid_free(&stack.grid);
-    client = test_client_at(daemon.url);
+    client = test_client_at(test_own.url);
     assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, the quota would refuse what fits, or cut an answer without need. */
-CASE(memory__within_the_quota_answers_are_whole)
+CASE_DAEMON(memory__within_the_quota_answers_are_whole, "--memory-max-mib", "256")
 {
-    static const char *const options[] = {"--memory-max-mib", "256", NULL};
-    struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_int_equal(make_stack(client, &stack), 0);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(fall(&stack, &answer), 0);
@@ -104,22 +98,18 @@ CASE(memory__within_the_quota_answers_are_whole)
     }
     pccd_close(client);
     test_grid_free(&stack.grid);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a mesh could take what its user may not have, or its refusal break what
  * is there, or stay for ever. */
-CASE(memory__of_meshes_and_hierarchies_is_bounded)
+CASE_DAEMON(memory__of_meshes_and_hierarchies_is_bounded, "--memory-max-mib", "16")
 {
-    static const char *const options[] = {"--memory-max-mib", "16", NULL};
-    struct test_daemon daemon;
     struct pccd_client *client;
     struct test_crossing crossing;
     struct test_grid grid;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *other = test_client_at(daemon.url);
-    client = test_client_at(daemon.url);
+    struct pccd_client *other = test_client_at(test_own.url);
+    client = test_client_at(test_own.url);
     assert_ok(test_crossing_make(other, &crossing));
     assert_true(test_crossing_turn(&crossing));
     assert_true(test_crossing_turn(&crossing));
@@ -138,7 +128,7 @@ CASE(memory__of_meshes_and_hierarchies_is_bounded)
         assert_true(test_crossing_turn(&crossing));
         test_grid_free(&grid);
         pccd_close(client);
-        client = test_client_at(daemon.url);
+        client = test_client_at(test_own.url);
     }
     /* Everything of the refused ones has been given back. */
     assert_int_equal(test_stat_await(other, "meshes_now", 2), 2);
@@ -146,23 +136,19 @@ CASE(memory__of_meshes_and_hierarchies_is_bounded)
     test_grid_free(&grid);
     pccd_close(client);
     pccd_close(other);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* ---- objects of one mesh ----------------------------------------------------------- */
 
 /* If it failed, a batch of many scenes would meet the quota of triangles, though all of
  * them have one mesh; or a mesh more than that quota would be let in. */
-CASE(objects__share_the_triangles_of_their_mesh)
+CASE_DAEMON(objects__share_the_triangles_of_their_mesh, "--triangles-max", "19")
 {
-    static const char *const options[] = {"--triangles-max", "19", NULL};
     struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
-    struct test_daemon daemon;
     struct test_farm farm;
     uint32_t mesh = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_ok(test_farm_make(client, 50, 4, &farm)); /* 18 triangles and 1 */
     assert_ok(test_farm_turn(&farm, 1, NULL, &answer));
     assert_int_equal(answer.failed, 0);
@@ -174,7 +160,6 @@ CASE(objects__share_the_triangles_of_their_mesh)
     assert_non_null(strstr(pccd_error_text(client), "triangles"));
     test_farm_free(&farm);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* Add objects of a mesh to a scene each, until there may be no more; how many. */
@@ -203,19 +188,16 @@ static uint32_t fill_scenes(struct pccd_client *client, uint32_t mesh, uint32_t 
 
 /* If it failed, objects, which cost no triangles, would cost nothing: one mesh would do
  * to take all the memory of the machine; or what they took would be gone for ever. */
-CASE(objects__cost_the_memory_that_they_take)
+CASE_DAEMON(objects__cost_the_memory_that_they_take, "--memory-max-mib", "16")
 {
     enum { MIB = 16, MOST = 4000 };
-    static const char *const options[] = {"--memory-max-mib", "16", NULL};
     static uint32_t scenes[MOST];
-    struct test_daemon daemon;
     struct pccd_client *client;
     struct test_farm farm;
     uint64_t before = 0;
     uint32_t most[2];
 
-    assert_true(test_daemon_start(&daemon, options));
-    client = test_client_at(daemon.url);
+    client = test_client_at(test_own.url);
     assert_ok(test_farm_make(client, 1, 24, &farm));
     for (int i = 0; i < 2; i++) {
         most[i] = fill_scenes(client, farm.mesh, scenes, MOST);
@@ -235,7 +217,6 @@ CASE(objects__cost_the_memory_that_they_take)
     assert_int_equal(most[0], most[1]);
     test_farm_free(&farm);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 #define RING_MIB 60u
@@ -259,12 +240,10 @@ static void take_ring(const struct test_daemon *daemon, int told)
 
 /* If it failed, users who each keep to their quotas could together take all the memory
  * that the machine has. */
-CASE(memory__of_all_users_is_bounded)
+CASE_DAEMON(memory__of_all_users_is_bounded, "--memory-total-mib", "96", "--allow-uid",
+            "65534")
 {
-    static const char *const options[] = {"--memory-total-mib", "96", "--allow-uid",
-                                          "65534", NULL};
     static struct test_raw raw;
-    struct test_daemon daemon;
     struct test_grid grid;
     struct test_crossing crossing;
     uint64_t max_mib;
@@ -272,15 +251,14 @@ CASE(memory__of_all_users_is_bounded)
     int told[2];
     char byte;
 
-    assert_true(test_daemon_start(&daemon, options));
-    assert_int_equal(chmod(daemon.directory, 0755), 0);
+    assert_int_equal(chmod(test_own.directory, 0755), 0);
     assert_int_equal(pipe(told), 0);
     pid_t child = fork();
     if (child == 0) {
-        take_ring(&daemon, told[1]);
+        take_ring(&test_own, told[1]);
     }
     assert_int_equal(read(told[0], &byte, 1), 1);
-    assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
+    assert_ok(test_raw_session(&raw, test_own.socket, 0, 0));
     assert_int_equal(test_raw_attach(&raw, 1, RING_MIB << 20), PCCD_E_QUOTA);
     assert_non_null(strstr(raw.error.text, "all users have "));
     assert_non_null(strstr(raw.error.text, "the bound of 96 MiB"));
@@ -289,7 +267,7 @@ CASE(memory__of_all_users_is_bounded)
     /* The engine's memory counts, too: what is shared leaves less for it. */
     struct proto_CONFIG_SET_request more = {.name = "memory-total-mib", .value = "256"};
     assert_ok(test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &more, NULL));
-    struct pccd_client *client = test_connect(daemon.url);
+    struct pccd_client *client = test_connect(test_own.url);
     assert_non_null(client);
     assert_int_equal(test_stat(client, "memory_bytes_max"), 256u << 20);
     assert_int_equal(test_stat(client, "memory_refusals"), 1);
@@ -325,7 +303,6 @@ CASE(memory__of_all_users_is_bounded)
     assert_int_equal(waitpid(child, NULL, 0), child);
     (void)close(told[0]);
     (void)close(told[1]);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 #define MESHES           2000u
@@ -333,21 +310,18 @@ CASE(memory__of_all_users_is_bounded)
 
 /* If it failed, meshes that are only announced would be memory that nobody is charged
  * for. */
-CASE(meshes__cost_memory_before_they_are_filled)
+CASE_DAEMON(meshes__cost_memory_before_they_are_filled, "--memory-max-mib", "8")
 {
-    static const char *const options[] = {"--memory-max-mib", "8", NULL};
     const struct proto_MESH_CREATE_request create = {.vertex_count = 3,
                                                      .triangle_count = 1};
     static struct test_raw raw;
-    struct test_daemon daemon;
     struct pccd_client *client;
     uint32_t meshes = 0;
     uint64_t before;
 
-    assert_true(test_daemon_start(&daemon, options));
-    client = test_client_at(daemon.url);
+    client = test_client_at(test_own.url);
     before = test_stat(client, "engine_bytes_now");
-    assert_ok(test_raw_session(&raw, daemon.socket, 0, 0));
+    assert_ok(test_raw_session(&raw, test_own.socket, 0, 0));
     for (; meshes < MESHES; meshes++) {
         assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL));
     }
@@ -361,7 +335,6 @@ CASE(meshes__cost_memory_before_they_are_filled)
     test_raw_close(&raw);
     assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* ---- what nobody was given --------------------------------------------------------- */
@@ -402,16 +375,14 @@ static uint64_t held_by(const struct test_raw *raw)
 
 /* If it failed, clients could take as much memory as their rings are large, all together
  * many times a quota, and nobody would be charged. */
-CASE(memory__that_nobody_was_given_is_charged_and_freed)
+CASE_DAEMON(memory__that_nobody_was_given_is_charged_and_freed, NULL)
 {
     static struct test_raw raw;
-    struct test_daemon daemon;
     uint64_t before;
     uint64_t most = 0;
 
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = test_client_at(daemon.url);
-    attach_sparsely(&raw, daemon.socket);
+    struct pccd_client *client = test_client_at(test_own.url);
+    attach_sparsely(&raw, test_own.socket);
     before = test_stat(client, "shm_bytes_now");
     assert_in_range(held_by(&raw), SLOT_BYTES, before);
     stray(&raw);
@@ -426,20 +397,16 @@ CASE(memory__that_nobody_was_given_is_charged_and_freed)
     assert_int_equal(test_stat_await(client, "shm_bytes_now", before), before);
     test_raw_close(&raw);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a client could go on to take what its user's quota does not bear. */
-CASE(memory__that_the_quota_does_not_bear_ends_the_session)
+CASE_DAEMON(memory__that_the_quota_does_not_bear_ends_the_session, "--shm-max-mib", "24")
 {
-    static const char *const options[] = {"--shm-max-mib", "24", NULL};
     static struct test_raw raw[2];
-    struct test_daemon daemon;
     int status = PCCD_E_TIMEOUT;
 
-    assert_true(test_daemon_start(&daemon, options));
-    attach_sparsely(&raw[0], daemon.socket);
-    attach_sparsely(&raw[1], daemon.socket);
+    attach_sparsely(&raw[0], test_own.socket);
+    attach_sparsely(&raw[1], test_own.socket);
     test_raw_wait_ms = 20;
     for (int i = 0; i < 1000 && status == PCCD_E_TIMEOUT; i++) {
         stray(&raw[0]);
@@ -451,5 +418,4 @@ CASE(memory__that_the_quota_does_not_bear_ends_the_session)
     assert_int_equal(status, 0);
     test_raw_close(&raw[0]);
     test_raw_close(&raw[1]);
-    assert_true(test_daemon_finish(&daemon));
 }

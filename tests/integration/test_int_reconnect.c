@@ -336,9 +336,7 @@ CASE_WITH(reconnect__keeps_what_the_user_holds, setup, teardown)
     assert_ok(test_grid_submit(&a, NULL, &steps[0]));
     assert_ok(test_grid_submit(&b, NULL, &steps[1]));
     assert_ok(pccd_wait(fixture.client, steps[0], -1, &held));
-    copy = malloc(held.count * sizeof *copy);
-    assert_non_null(copy);
-    memcpy(copy, held.contacts, held.count * sizeof *copy);
+    copy = test_copy(held.contacts, held.count * sizeof *copy);
     /* Half before, half after: the pointer must lead to the memory of the new daemon. */
     assert_ok(pccd_frame_begin(fixture.client, a.scene, 1, a.vertex_count * sizeof *a.x,
                                &frame));

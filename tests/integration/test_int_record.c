@@ -319,8 +319,7 @@ CASE(record__survives_its_program)
         assert_int_equal(waitpid(child, NULL, 0), child);
         (void)close(ready[0]);
         (void)close(ready[1]);
-        assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof said),
-                         0);
+        assert_ok(test_ctl("replay", "--json", test_recording, said, sizeof said));
         assert_in_range(test_ctl_number(said, "same"), 4, 1000000);
         assert_int_equal(test_ctl_number(said, "differ"), 0);
         assert_in_range(test_ctl_number(said, "unanswered"), 0, 2);

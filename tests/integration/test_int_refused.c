@@ -10,6 +10,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "fixture.h"
 #include "must.h"
 #include "pccd.h"
 #include "raw.h"
@@ -18,20 +19,18 @@
 
 /* If it failed, a client that comes when many are refused already would be cut off and
  * not told why; or those that are would take the places of others. */
-CASE(refused__every_client_beyond_the_quota_hears_so)
+CASE_DAEMON(refused__every_client_beyond_the_quota_hears_so, "--clients-max", "8",
+            "--connections-max", "64")
 {
-    const char *const options[] = {"--clients-max", "8", "--connections-max", "64", NULL};
     static struct test_raw raws[BEYOND];
     static struct test_raw late;
     struct proto_HELLO_request hello = {.version_min = 1, .version_max = 1};
-    struct test_daemon daemon;
     unsigned heard = 0;
     unsigned told = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     for (unsigned i = 0; i < BEYOND; i++) { /* the first seven have a place */
-        assert_true(test_raw_open(&raws[i], daemon.socket));
+        assert_true(test_raw_open(&raws[i], test_own.socket));
         if (i % 2 == 1 || i < 7) { /* the others wait, silent */
             int status = test_raw_call(&raws[i], PROTO_METHOD_HELLO, &hello, NULL);
 
@@ -54,7 +53,7 @@ CASE(refused__every_client_beyond_the_quota_hears_so)
     }
     assert_int_equal(heard, BEYOND - 7);
     assert_true(told > 0);
-    assert_true(test_raw_open(&late, daemon.socket));
+    assert_true(test_raw_open(&late, test_own.socket));
     assert_int_equal(test_raw_hello(&late), PCCD_E_QUOTA);
     test_raw_close(&late);
     for (unsigned i = 0; i < BEYOND; i++) {
@@ -62,7 +61,6 @@ CASE(refused__every_client_beyond_the_quota_hears_so)
     }
     assert_ok(pccd_ping(client, NULL));
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* As somebody who may not be a client: connect BEYOND times without a word, and stay. */
@@ -138,28 +136,26 @@ static int observe(const char *url, struct pccd_client **client)
 
 /* If it failed, a user who has as many clients as may be could not see that, nor let more
  * in, as pccdctl doctor advises. */
-CASE(refused__who_observes_takes_no_place)
+CASE_DAEMON(refused__who_observes_takes_no_place, "--clients-max", "1")
 {
-    const char *const options[] = {"--clients-max", "1", NULL};
     struct pccd_client *clients[OBSERVERS_MAX];
     struct pccd_client *client;
     struct pccd_client *other = NULL;
-    struct test_daemon daemon;
     uint32_t scene = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
-    client = test_client_at(daemon.url);
+    client = test_client_at(test_own.url);
     for (int i = 0; i < OBSERVERS_MAX; i++) {
-        assert_int_equal(observe(daemon.url, &clients[i]), 0);
+        assert_int_equal(observe(test_own.url, &clients[i]), 0);
         assert_int_equal(test_stat(clients[i], "sessions_now"), i + 2);
     }
-    assert_int_equal(observe(daemon.url, &other), PCCD_E_QUOTA); /* these have a bound */
+    assert_int_equal(observe(test_own.url, &other),
+                     PCCD_E_QUOTA); /* these have a bound */
     assert_int_equal(pccd_scene_create(clients[0], NULL, &scene), PCCD_E_STATE);
     assert_ok(pccd_config_set(clients[0], "clients-max", "2"));
-    other = test_client_at(daemon.url);
+    other = test_client_at(test_own.url);
     scene = test_scene(other);
     pccd_close(clients[0]); /* its place is another observer's */
-    for (int i = 0; i < 1000 && observe(daemon.url, &clients[0]) != 0; i++) {
+    for (int i = 0; i < 1000 && observe(test_own.url, &clients[0]) != 0; i++) {
         test_sleep_ms(10);
     }
     assert_ok(pccd_ping(clients[0], NULL));
@@ -168,35 +164,32 @@ CASE(refused__who_observes_takes_no_place)
     }
     pccd_close(other);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, nobody could see or change anything while all connections are taken: the
  * remedy that pccdctl doctor recommends waited behind them. */
-CASE(refused__owner_is_heard_when_all_connections_are_taken)
+CASE_DAEMON(refused__owner_is_heard_when_all_connections_are_taken, "--connections-max",
+            "3")
 {
-    const char *const options[] = {"--connections-max", "3", NULL};
     struct pccd_client *clients[3];
     struct pccd_client *owner = NULL;
     struct pccd_client *other = NULL;
     struct pccd_options wanted;
-    struct test_daemon daemon;
 
-    assert_true(test_daemon_start(&daemon, options));
     for (int i = 0; i < 3; i++) {
-        clients[i] = test_client_at(daemon.url);
+        clients[i] = test_client_at(test_own.url);
     }
     pccd_options_init(&wanted);
-    wanted.url = daemon.url;
+    wanted.url = test_own.url;
     assert_int_equal(pccd_connect(&wanted, &other), PCCD_E_QUOTA);
     assert_non_null(strstr(pccd_error_text(NULL), "--connections-max"));
-    assert_int_equal(observe(daemon.url, &owner), 0);
+    assert_int_equal(observe(test_own.url, &owner), 0);
     assert_int_equal(test_stat(owner, "sessions_now"), 4);
     assert_ok(pccd_config_set(owner, "connections-max", "2"));
     assert_int_equal(pccd_connect(&wanted, &other), PCCD_E_QUOTA);
     pccd_close(clients[2]);
     pccd_close(owner);
-    assert_int_equal(observe(daemon.url, &owner), 0); /* also below what there are */
+    assert_int_equal(observe(test_own.url, &owner), 0); /* also below what there are */
     assert_ok(pccd_config_set(owner, "connections-max", "3"));
     pccd_close(owner);
     for (int i = 0; i < 1000 && pccd_connect(&wanted, &clients[2]) != 0; i++) {
@@ -206,7 +199,6 @@ CASE(refused__owner_is_heard_when_all_connections_are_taken)
     for (int i = 0; i < 3; i++) {
         pccd_close(clients[i]);
     }
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* As somebody else: what an observer hears when all connections are taken. */

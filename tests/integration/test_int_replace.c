@@ -1,5 +1,6 @@
 /* test_int_replace.c - meshes that change their topology while they are in use. */
 #include "cases.h"
+#include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "witness.h"
@@ -91,8 +92,8 @@ static void open_fresh(struct test_grid *grid)
     uint32_t floor_mesh =
         test_mesh(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
     grid->floor = test_object(client, grid->scene, floor_mesh);
-    grid->mesh = test_mesh(client, pieces.x, PCCD_FORMAT_F32, CORNERS,
-                           (const uint32_t(*)[3])pieces.triangles, TRIANGLES);
+    grid->mesh = test_mesh(client, pieces.x, PCCD_FORMAT_F32, CORNERS, pieces.triangles,
+                           TRIANGLES);
     grid->object = test_object(client, grid->scene, grid->mesh);
 }
 
@@ -126,7 +127,7 @@ CASE(replace__a_broken_body_answers_as_a_fresh_one)
         turn(&grid);
         test_witness_turn();
     }
-    assert_int_equal(break_mesh(&grid, &info), 0);
+    assert_ok(break_mesh(&grid, &info));
     assert_int_equal(info.generation, 2);
     assert_int_equal(info.vertex_count, CORNERS);
     assert_int_equal(info.edge_count, CORNERS);
@@ -141,7 +142,7 @@ CASE(replace__a_broken_body_answers_as_a_fresh_one)
     /* Whole again, and broken again. */
     assert_ok(test_grid_replace(&grid));
     turn(&grid);
-    assert_int_equal(break_mesh(&grid, &info), 0);
+    assert_ok(break_mesh(&grid, &info));
     assert_int_equal(info.generation, 4);
     move_pieces(&grid, grid.object, -1, &answer);
     test_witness_turn();
@@ -175,7 +176,7 @@ CASE(replace__reaches_every_object_made_of_the_mesh)
     }
     assert_ok(pccd_scene_remove(grid.client, grid.scene, gone));
     assert_ok(pccd_scene_destroy(grid.client, scenes[2].scene));
-    assert_int_equal(break_mesh(&grid, NULL), 0);
+    assert_ok(break_mesh(&grid, NULL));
     assert_int_equal(test_stat(grid.client, "meshes_replaced"), replaced + 1);
     move_pieces(&grid, grid.object, -1, &answer);
     for (int i = 0; i < 2; i++) { /* no floor here: still, but all there */
@@ -232,20 +233,17 @@ CASE(replace__bad_data_leaves_the_old_mesh)
 
 /* If it failed, a replacement could take more than its user may have, or one that is too
  * large break what there is. */
-CASE(replace__without_quota_changes_nothing)
+CASE_DAEMON(replace__without_quota_changes_nothing, "--triangles-max", "1000")
 {
     /* The mesh and the floor, 450 + 1, and 450 that are announced; not 900. */
-    const char *const options[] = {"--triangles-max", "1000", NULL};
     static struct pieces pieces;
     static uint32_t doubled[2 * TRIANGLES][3];
-    struct test_daemon daemon;
     struct test_grid grid;
 
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_ok(test_grid_make(client, SIDE, &grid));
     assert_int_equal(test_stat(client, "triangles_now"), TRIANGLES + 1);
     break_grid(&grid, 1, &pieces);
@@ -264,15 +262,12 @@ CASE(replace__without_quota_changes_nothing)
     }
     pccd_close(client);
     test_grid_free(&grid);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a replacement that its objects have no memory for would leave some of
  * them with the old shape and some with the new one, or the memory would be gone. */
-CASE(replace__without_memory_changes_nothing)
+CASE_DAEMON(replace__without_memory_changes_nothing, "--memory-max-mib", "24")
 {
-    const char *const options[] = {"--memory-max-mib", "24", NULL};
-    struct test_daemon daemon;
     struct test_grid grid, large;
     struct pccd_client *client;
     uint32_t(*triangles)[3];
@@ -281,8 +276,7 @@ CASE(replace__without_memory_changes_nothing)
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
-    assert_true(test_daemon_start(&daemon, options));
-    client = test_client_at(daemon.url);
+    client = test_client_at(test_own.url);
     assert_ok(test_grid_make(client, 80, &large)); /* 12482 triangles */
     assert_ok(pccd_scene_destroy(client, large.scene));
     assert_ok(test_grid_make(client, SIDE, &grid));
@@ -318,28 +312,24 @@ CASE(replace__without_memory_changes_nothing)
     pccd_close(client);
     test_grid_free(&large);
     test_grid_free(&grid);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, objects would be charged triangles that are their mesh's, or a user would
  * be charged wrongly ever after. */
-CASE(replace__charges_the_mesh_once)
+CASE_DAEMON(replace__charges_the_mesh_once, "--triangles-max", "901")
 {
-    const char *const options[] = {"--triangles-max", "901", NULL}; /* 2 x 450 + 1 */
-    struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     if (test_is_direct()) {
         test_skip("with direct: there are no quotas");
     }
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_ok(test_grid_make(client, SIDE, &grid));
     uint32_t scene = test_scene(client);
     (void)test_object(client, scene, grid.mesh);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(break_mesh(&grid, NULL), 0);
+        assert_ok(break_mesh(&grid, NULL));
         move_pieces(&grid, grid.object, -1, &answer);
         assert_int_equal(test_stat_await(client, "triangles_now", TRIANGLES + 1),
                          TRIANGLES + 1);
@@ -352,7 +342,6 @@ CASE(replace__charges_the_mesh_once)
     assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
     pccd_close(client);
     test_grid_free(&grid);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* ---- order and states, by hand ----------------------------------------------------- */
@@ -371,27 +360,18 @@ struct bare {
 
 static void open_bare(struct bare *bare)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
-
     test_witness_open_raw(&raw, 65536);
     assert_ok(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &bare->mesh));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
-    add.scene = bare->scene = created.scene;
-    add.mesh = bare->mesh;
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-    bare->object = added.object;
+    assert_ok(test_raw_scene(&raw, "", &bare->scene));
+    assert_ok(test_raw_add(&raw, bare->scene, bare->mesh, &bare->object));
 }
 
 static int announce(uint32_t mesh, uint32_t vertex_count, uint32_t triangle_count,
                     uint32_t *generation)
 {
-    struct proto_MESH_REPLACE_request replace = {
-        .mesh = mesh, .vertex_count = vertex_count, .triangle_count = triangle_count};
     struct proto_MESH_REPLACE_result result = {.generation = 0};
-    int status = test_raw_call(&raw, PROTO_METHOD_MESH_REPLACE, &replace, &result);
+    int status = RAW_CALL(&raw, MESH_REPLACE, &result, .mesh = mesh,
+                          .vertex_count = vertex_count, .triangle_count = triangle_count);
 
     *generation = result.generation;
     return status;
@@ -399,34 +379,23 @@ static int announce(uint32_t mesh, uint32_t vertex_count, uint32_t triangle_coun
 
 static int commit(uint32_t mesh, struct proto_MESH_COMMIT_result *result)
 {
-    struct proto_MESH_COMMIT_request request = {.mesh = mesh};
-
-    return test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &request, result);
+    return RAW_CALL(&raw, MESH_COMMIT, result, .mesh = mesh);
 }
 
 /* Submit the end positions of `count` vertices without waiting; returns the id. */
 static uint32_t submit(const struct bare *bare, uint32_t slot, const float (*x)[3],
                        uint32_t count)
 {
-    struct proto_segment segment = {.object = bare->object,
-                                    .kind = PROTO_SEGMENT_X1,
-                                    .format = PCCD_FORMAT_F32,
-                                    .count = count,
-                                    .offset1 = sizeof segment};
-    struct proto_FRAME_SUBMIT_request request = {
-        .scene = bare->scene, .slot = slot, .segments = 1, .threads = 1};
-    uint8_t *payload = test_raw_payload(&raw, slot);
+    struct proto_FRAME_SUBMIT_request request =
+        test_raw_move(&raw, slot, bare->scene, bare->object, x, count);
 
-    memcpy(payload, &segment, sizeof segment);
-    memcpy(payload + sizeof segment, x, count * sizeof *x);
-    request.seq = test_raw_publish(&raw, slot);
+    request.threads = 1;
     return test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &request);
 }
 
 /* If it failed, a step would run on another topology than the one it was sent for. */
 CASE(replace__steps_run_on_the_topology_of_their_turn)
 {
-    struct proto_MESH_COMMIT_request request = {0};
     struct proto_MESH_COMMIT_result committed;
     struct proto_FRAME_SUBMIT_result answer;
     struct bare bare;
@@ -434,7 +403,7 @@ CASE(replace__steps_run_on_the_topology_of_their_turn)
     uint32_t ids[4];
 
     open_bare(&bare);
-    assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
+    assert_ok(announce(bare.mesh, 6, 2, &generation));
     assert_int_equal(generation, 2);
     assert_ok(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2));
     /* The old triangle serves until the commit. */
@@ -443,9 +412,8 @@ CASE(replace__steps_run_on_the_topology_of_their_turn)
                      PCCD_E_SEGMENT);
     assert_non_null(strstr(raw.error.text, "has 3 (generation 1"));
     /* Three in a row, none waited for. */
-    request.mesh = bare.mesh;
     ids[1] = submit(&bare, 0, test_triangle_x, 3);
-    ids[2] = test_raw_request(&raw, PROTO_METHOD_MESH_COMMIT, &request);
+    ids[2] = RAW_SEND(&raw, MESH_COMMIT, .mesh = bare.mesh);
     ids[3] = submit(&bare, 1, two_x, 6);
     assert_ok(test_raw_answer(&raw, ids[1], PROTO_METHOD_FRAME_SUBMIT, &answer));
     assert_ok(test_raw_answer(&raw, ids[2], PROTO_METHOD_MESH_COMMIT, &committed));
@@ -466,7 +434,6 @@ CASE(replace__wrong_order_is_refused)
 {
     struct proto_MESH_COMMIT_result committed;
     struct bare bare;
-    struct proto_MESH_CREATE_request create = {.vertex_count = 3, .triangle_count = 1};
     struct proto_MESH_CREATE_result created;
     uint32_t generation = 0;
 
@@ -480,23 +447,24 @@ CASE(replace__wrong_order_is_refused)
         assert_int_equal(announce(bare.mesh, 6, PROTO_TRIANGLES_PER_UID, &generation),
                          PCCD_E_QUOTA);
     }
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created));
+    assert_ok(
+        RAW_CALL(&raw, MESH_CREATE, &created, .vertex_count = 3, .triangle_count = 1));
     assert_int_equal(announce(created.mesh, 6, 2, &generation), PCCD_E_STATE);
     /* Nothing was announced: it is committed already. */
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
     /* Announced, but not all there. */
-    assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
+    assert_ok(announce(bare.mesh, 6, 2, &generation));
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
     assert_non_null(strstr(raw.error.text, "0 of 6 vertices"));
     /* Announced anew: what came before counts no more. */
     assert_ok(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2));
-    assert_int_equal(announce(bare.mesh, 5, 1, &generation), 0);
+    assert_ok(announce(bare.mesh, 5, 1, &generation));
     assert_int_equal(generation, 2);
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
     assert_non_null(strstr(raw.error.text, "0 of 5 vertices"));
     /* Forgotten, twice: the triangle is what it was. */
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(announce(bare.mesh, 0, 0, &generation), 0);
+        assert_ok(announce(bare.mesh, 0, 0, &generation));
         assert_int_equal(generation, 1);
     }
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_STATE);
@@ -509,43 +477,33 @@ CASE(replace__wrong_order_is_refused)
 /* If it failed, a request could meet a mesh of which nobody knows yet what it is. */
 CASE(replace__mesh_is_busy_while_it_is_committed)
 {
-    struct proto_MESH_COMMIT_request request = {0};
     struct proto_MESH_COMMIT_result committed;
-    struct proto_MESH_DESTROY_request destroy = {0};
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_CANCEL_request cancel = {0};
     struct bare bare;
     uint32_t generation = 0;
-    uint32_t id;
+    uint32_t step, id, object;
 
     if (test_is_direct()) {
         test_skip("with direct: nothing comes between");
     }
     open_bare(&bare);
-    assert_int_equal(announce(bare.mesh, 6, 2, &generation), 0);
+    assert_ok(announce(bare.mesh, 6, 2, &generation));
     assert_ok(test_raw_fill(&raw, bare.mesh, two_x, 6, two, 2));
-    cancel.id = test_witness_long_step(&raw);
-    request.mesh = destroy.mesh = add.mesh = bare.mesh;
-    add.scene = bare.scene;
-    id = test_raw_request(&raw, PROTO_METHOD_MESH_COMMIT, &request);
+    step = test_witness_long_step(&raw);
+    id = RAW_SEND(&raw, MESH_COMMIT, .mesh = bare.mesh);
     assert_int_not_equal(id, 0);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL),
-                     PCCD_E_BUSY);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL),
-                     PCCD_E_BUSY);
+    assert_int_equal(RAW_CALL(&raw, MESH_DESTROY, NULL, .mesh = bare.mesh), PCCD_E_BUSY);
+    assert_int_equal(test_raw_add(&raw, bare.scene, bare.mesh, &object), PCCD_E_BUSY);
     assert_int_equal(announce(bare.mesh, 3, 1, &generation), PCCD_E_BUSY);
     assert_int_equal(commit(bare.mesh, &committed), PCCD_E_BUSY);
     /* Taken back before it ran: nothing has happened, and it can be asked for again. */
-    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL,
-                                          &(struct proto_CANCEL_request){.id = id}),
-                         0);
+    assert_int_not_equal(RAW_SEND(&raw, CANCEL, .id = id), 0);
     assert_int_equal(test_raw_answer(&raw, id, PROTO_METHOD_MESH_COMMIT, &committed),
                      PCCD_E_CANCELLED);
-    assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel), 0);
-    assert_int_equal(commit(bare.mesh, &committed), 0);
+    assert_int_not_equal(RAW_SEND(&raw, CANCEL, .id = step), 0);
+    assert_ok(commit(bare.mesh, &committed));
     assert_int_equal(committed.generation, 2);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL));
+    assert_ok(test_raw_add(&raw, bare.scene, bare.mesh, &object));
+    assert_ok(RAW_CALL(&raw, MESH_DESTROY, NULL, .mesh = bare.mesh));
     test_raw_close(&raw);
     test_witness_turn();
 }

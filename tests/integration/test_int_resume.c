@@ -3,7 +3,6 @@
 
 #include <signal.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,9 +16,7 @@ struct fixture {
     struct test_daemon daemon;
     struct test_raw raw;
     struct proto_HELLO_result session;
-    uint32_t scene;
-    uint32_t mesh;
-    uint32_t object;
+    struct test_raw_crossing scene;
 };
 
 static struct fixture fixture;
@@ -47,24 +44,13 @@ static int teardown(void **state)
     return test_daemon_finish(&fixture.daemon) ? 0 : -1;
 }
 
-static int connect_socket(void)
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s",
-                   fixture.daemon.socket);
-    assert_true(fd >= 0);
-    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
-    return fd;
-}
-
 /* Another connection, and hello with the secret over it. The mappings stay. Returns
  * whether the session goes on. */
 static bool come_back(struct fixture *f)
 {
     struct proto_HELLO_result result;
-    f->raw.socket = connect_socket();
-    assert_int_equal(test_raw_hello_again(&f->raw, &f->session, &result), 0);
+    assert_true(test_raw_reopen(&f->raw, f->daemon.socket));
+    assert_ok(test_raw_hello_again(&f->raw, &f->session, &result));
     assert_int_equal(result.epoch, f->session.epoch);
     return result.resumed && result.session == f->session.session;
 }
@@ -78,28 +64,14 @@ static void lose(struct fixture *f)
 /* A name: it is shared; "": not. */
 static void open_named(struct fixture *f, const char *name)
 {
-    struct proto_SCENE_CREATE_request create = {.share = 0};
-    struct proto_SCENE_CREATE_result scene;
-    struct proto_SCENE_ADD_request add;
-    struct proto_SCENE_ADD_result object;
-    uint32_t floor = 0;
-    (void)snprintf(create.name, sizeof create.name, "%s", name);
     assert_true(test_raw_open(&f->raw, f->daemon.socket));
-    assert_int_equal(test_raw_hello_again(&f->raw, NULL, &f->session), 0);
+    assert_ok(test_raw_hello_again(&f->raw, NULL, &f->session));
     assert_false(f->session.resumed);
     assert_true((f->session.features & PROTO_FEATURE_RESUME) != 0);
     assert_true((f->session.token_hi | f->session.token_lo) != 0);
     assert_true(f->session.linger_ms > 0);
     assert_ok(test_raw_attach(&f->raw, 2, 4096));
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &create, &scene));
-    f->scene = scene.scene;
-    assert_ok(test_raw_mesh(&f->raw, test_floor_x, 3, test_triangle, 1, &floor));
-    assert_ok(test_raw_mesh(&f->raw, test_triangle_x, 3, test_triangle, 1, &f->mesh));
-    add = (struct proto_SCENE_ADD_request){.scene = f->scene, .mesh = floor};
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object));
-    add.mesh = f->mesh;
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &object));
-    f->object = object.object;
+    assert_ok(test_raw_build(&f->raw, name, test_triangle_x, &f->scene));
 }
 
 static void open_scene(struct fixture *f)
@@ -110,17 +82,7 @@ static void open_scene(struct fixture *f)
 /* Write a turn of the triangle to height z into a slot. */
 static struct proto_FRAME_SUBMIT_request turn(struct fixture *f, uint32_t slot, float z)
 {
-    const struct proto_segment segment = {
-        .object = f->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 64};
-    uint8_t *payload = test_raw_payload(&f->raw, slot);
-    float x[3][3];
-    test_crossing_positions(x, z);
-    memcpy(payload, &segment, sizeof segment);
-    memcpy(payload + 64, x, sizeof x);
-    return (struct proto_FRAME_SUBMIT_request){.scene = f->scene,
-                                               .slot = slot,
-                                               .seq = test_raw_publish(&f->raw, slot),
-                                               .segments = 1};
+    return test_raw_turn(&f->raw, slot, &f->scene, z);
 }
 
 /* Send a request under an id that was used before. */
@@ -161,7 +123,7 @@ CASE_WITH(resume__goes_on_with_everything, setup, teardown)
         struct proto_FRAME_SUBMIT_request request = turn(f, 0, i % 2 == 0 ? -1.0f : 1.0f);
         assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &request, &answer));
         assert_int_equal(answer.total, 3);
-        atomic_store(&test_raw_upload(&f->raw)->result_head.value, answer.release);
+        test_raw_release(&f->raw, answer.release);
         lose(f);
         assert_true(come_back(f));
     }
@@ -221,7 +183,7 @@ CASE_WITH(resume__tells_again_what_nobody_has_read, setup, teardown)
         say_again(f, id, PROTO_METHOD_FRAME_SUBMIT, &request);
         assert_ok(test_raw_answer(&f->raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer));
         assert_int_equal(answer.total, 3);
-        atomic_store(&test_raw_upload(&f->raw)->result_head.value, answer.release);
+        test_raw_release(&f->raw, answer.release);
     }
     test_raw_close(&f->raw);
 }
@@ -257,7 +219,7 @@ CASE_WITH(resume__answers_only_what_is_asked_again, setup, teardown)
             assert_int_equal(answers[i].total, 3);
         }
         assert_true(answers[1].release > answers[0].release);
-        atomic_store(&test_raw_upload(&f->raw)->result_head.value, answers[1].release);
+        test_raw_release(&f->raw, answers[1].release);
     }
     test_raw_close(&f->raw);
 }
@@ -272,7 +234,7 @@ static uint64_t await_held(struct fixture *f)
     } while (f->raw.envelope.method != PROTO_NOTE_SCENE_HELD);
     assert_ok(proto_decode_body(
         &f->raw.envelope, &proto_messages[PROTO_NOTE_SCENE_HELD].request, &note, &error));
-    assert_int_equal(note.scene, f->scene);
+    assert_int_equal(note.scene, f->scene.scene);
     return note.step;
 }
 
@@ -283,7 +245,6 @@ CASE_WITH(resume__tells_again_what_is_held, setup, teardown)
     struct fixture *f = &fixture;
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
-    struct proto_FRAME_SUBMIT_request step = {.step = 8};
     open_named(f, "held");
     submit = turn(f, 0, -1);
     submit.hold = true;
@@ -297,8 +258,8 @@ CASE_WITH(resume__tells_again_what_is_held, setup, teardown)
         assert_true(come_back(f));
         assert_int_equal(await_held(f), 7);
     }
-    step.scene = f->scene;
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, &answer));
+    assert_ok(
+        RAW_CALL(&f->raw, FRAME_SUBMIT, &answer, .scene = f->scene.scene, .step = 8));
     assert_true(answer.total > 0); /* it went along, and is not told any more */
     lose(f);
     assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
@@ -346,7 +307,7 @@ CASE_WITH(resume__needs_the_secret, setup, teardown)
         wrong.session += bit == 2;
         wrong.epoch ^= bit == 3;
         assert_true(test_raw_open(&thief, f->daemon.socket));
-        assert_int_equal(test_raw_hello_again(&thief, &wrong, &other), 0);
+        assert_ok(test_raw_hello_again(&thief, &wrong, &other));
         assert_false(other.resumed);
         assert_int_not_equal(other.session, f->session.session);
         assert_true(other.token_hi != f->session.token_hi ||
@@ -367,6 +328,7 @@ CASE_WITH(resume__takes_the_session_from_a_connection_that_stands, setup, teardo
     struct test_raw old;
     open_scene(f);
     old = f->raw;
+    f->raw.socket = -1; /* and `old` stands */
     assert_true(come_back(f));
     old.decoder = proto_decoder_new();
     assert_int_equal(test_raw_receive(&old), PCCD_E_DISCONNECTED);
@@ -396,9 +358,8 @@ CASE_WITH(resume__comes_too_late_after_the_linger, setup, teardown)
 CASE_WITH(resume__is_over_after_bye, setup, teardown)
 {
     struct fixture *f = &fixture;
-    struct proto_BYE_request bye = {0};
     open_scene(f);
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_BYE, &bye, NULL));
+    assert_ok(RAW_CALL(&f->raw, BYE, NULL, .reserved = 0));
     lose(f);
     assert_false(come_back(f));
     test_raw_close(&f->raw);
@@ -439,8 +400,8 @@ CASE_WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone, teardown)
     lose(f);
     test_sleep_ms(50);
     assert_true(test_raw_open(&raw, f->daemon.socket));
-    assert_int_equal(test_raw_hello_again(&raw, NULL, &other), 0);
-    f->raw.socket = connect_socket();
+    assert_ok(test_raw_hello_again(&raw, NULL, &other));
+    assert_true(test_raw_reopen(&f->raw, f->daemon.socket));
     assert_int_equal(test_raw_hello_again(&f->raw, &f->session, &other), PCCD_E_QUOTA);
     test_raw_close(&raw);
     test_raw_close(&f->raw);
@@ -451,24 +412,23 @@ CASE_WITH(resume__gives_way_to_a_new_client_at_the_quota, setup_alone, teardown)
 CASE_WITH(resume__tells_of_steps_that_were_watched, setup, teardown)
 {
     struct fixture *f = &fixture;
-    const struct proto_WATCH_START_request watch = {.session = 0};
-    struct proto_STATS_request ask = {0};
     struct proto_STATS_result stats = {0};
     struct proto_FRAME_SUBMIT_request step;
     struct test_raw watcher;
     struct proto_HELLO_result session, again;
     open_scene(f);
     assert_true(test_raw_open(&watcher, f->daemon.socket));
-    assert_int_equal(test_raw_hello_again(&watcher, NULL, &session), 0);
-    assert_ok(test_raw_call(&watcher, PROTO_METHOD_WATCH_START, &watch, NULL));
+    assert_ok(test_raw_hello_again(&watcher, NULL, &session));
+    assert_ok(RAW_CALL(&watcher, WATCH_START, NULL, .session = 0));
     (void)close(watcher.socket);
+    watcher.socket = -1;
     while (stats.sessions_waiting_now == 0) { /* until it has been noticed */
-        assert_ok(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &stats));
+        assert_ok(RAW_CALL(&f->raw, STATS, &stats, .reserved = 0));
     }
     step = turn(f, 0, -1.0f);
     assert_ok(test_raw_call(&f->raw, PROTO_METHOD_FRAME_SUBMIT, &step, NULL));
-    watcher.socket = connect_socket();
-    assert_int_equal(test_raw_hello_again(&watcher, &session, &again), 0);
+    assert_true(test_raw_reopen(&watcher, f->daemon.socket));
+    assert_ok(test_raw_hello_again(&watcher, &session, &again));
     assert_true(again.resumed);
     assert_ok(test_raw_receive(&watcher));
     assert_int_equal(watcher.envelope.kind, PROTO_NOTIFICATION);
@@ -482,39 +442,35 @@ CASE_WITH(resume__tells_of_steps_that_were_watched, setup, teardown)
 CASE_WITH(resume__handles_can_be_wanted, setup, teardown)
 {
     struct fixture *f = &fixture;
-    struct proto_SCENE_CREATE_request scene = {.want = 7u << 20 | 3};
+    const uint32_t scene = 7u << 20 | 3, object = 5u << 20 | 2;
+    const uint32_t meshes[2] = {9u << 20 | 1500, 9u << 20 | 300000}; /* far above */
     struct proto_SCENE_CREATE_result made;
-    struct proto_MESH_CREATE_request mesh = {
-        .vertex_count = 3, .triangle_count = 1, .want = 9u << 20 | 1500};
     struct proto_MESH_CREATE_result mesh_made;
-    struct proto_SCENE_ADD_request add;
     struct proto_SCENE_ADD_result added;
-    struct proto_STATS_request ask = {0};
     struct proto_STATS_result before, after;
     open_scene(f);
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made));
-    assert_int_equal(made.scene, 7u << 20 | 3);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made),
+    assert_ok(RAW_CALL(&f->raw, SCENE_CREATE, &made, .want = scene));
+    assert_int_equal(made.scene, scene);
+    assert_int_equal(RAW_CALL(&f->raw, SCENE_CREATE, &made, .want = scene),
                      PCCD_E_HANDLE);
-    scene.want = 4; /* no handle has generation 0 */
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made),
-                     PCCD_E_HANDLE);
-    scene.want = 0; /* a place that was left empty */
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made));
+    /* No handle has generation 0. */
+    assert_int_equal(RAW_CALL(&f->raw, SCENE_CREATE, &made, .want = 4), PCCD_E_HANDLE);
+    /* A place that was left empty. */
+    assert_ok(RAW_CALL(&f->raw, SCENE_CREATE, &made, .want = 0));
     assert_int_equal(made.scene & 0xfffff, 1);
-    add = (struct proto_SCENE_ADD_request){
-        .scene = 7u << 20 | 3, .mesh = f->mesh, .want = 5u << 20 | 2};
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-    assert_int_equal(added.object, add.want);
-    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_ADD, &add, &added),
-                     PCCD_E_HANDLE);
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made));
-    assert_int_equal(mesh_made.mesh, mesh.want);
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &before));
-    mesh.want = 9u << 20 | 300000; /* far above the others */
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made));
-    assert_int_equal(mesh_made.mesh, mesh.want);
-    assert_ok(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &after));
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(RAW_CALL(&f->raw, SCENE_ADD, &added, .scene = scene,
+                                  .mesh = f->scene.mesh, .want = object),
+                         i == 0 ? 0 : PCCD_E_HANDLE);
+        assert_int_equal(added.object, object);
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_ok(RAW_CALL(&f->raw, STATS, &before, .reserved = 0));
+        assert_ok(RAW_CALL(&f->raw, MESH_CREATE, &mesh_made, .vertex_count = 3,
+                           .triangle_count = 1, .want = meshes[i]));
+        assert_int_equal(mesh_made.mesh, meshes[i]);
+    }
+    assert_ok(RAW_CALL(&f->raw, STATS, &after, .reserved = 0));
     assert_true(after.engine_bytes_now - before.engine_bytes_now >= 298500 * 24);
     test_raw_close(&f->raw);
 }

@@ -48,19 +48,10 @@ static uint32_t request(struct rival *rival, int method, const void *request)
 
 static void enter(struct rival *rival, const char *name, const float x[3][3])
 {
-    struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_OPEN};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
-
-    strcpy(create.name, name);
     assert_ok(test_raw_session(&rival->raw, test_shared.socket, 2, SLOT_BYTES));
-    assert_int_equal(call(rival, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    assert_ok(test_raw_scene(&rival->raw, name, &rival->scene));
     assert_ok(test_raw_mesh(&rival->raw, x, 3, test_triangle, 1, &rival->mesh));
-    add.scene = rival->scene = created.scene;
-    add.mesh = rival->mesh;
-    assert_int_equal(call(rival, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
-    rival->object = added.object;
+    assert_ok(test_raw_add(&rival->raw, rival->scene, rival->mesh, &rival->object));
 }
 
 static void enter_both(const char *name)
@@ -79,22 +70,12 @@ static void leave_both(void)
 static struct proto_FRAME_SUBMIT_request write_step(struct rival *rival, uint32_t slot,
                                                     const float x[3][3])
 {
-    const struct proto_segment segment = {
-        .object = rival->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
-
-    memcpy(test_raw_payload(&rival->raw, slot), &segment, sizeof segment);
-    memcpy(test_raw_payload(&rival->raw, slot) + 32, x, sizeof(float[3][3]));
-    return (struct proto_FRAME_SUBMIT_request){.scene = rival->scene,
-                                               .slot = slot,
-                                               .seq = test_raw_publish(&rival->raw, slot),
-                                               .segments = 1};
+    return test_raw_move(&rival->raw, slot, rival->scene, rival->object, x, 3);
 }
 
 static int step_still(struct rival *rival, struct proto_FRAME_SUBMIT_result *answer)
 {
-    const struct proto_FRAME_SUBMIT_request submit = {.scene = rival->scene};
-
-    return call(rival, PROTO_METHOD_FRAME_SUBMIT, &submit, answer);
+    return RAW_CALL(&rival->raw, FRAME_SUBMIT, answer, .scene = rival->scene);
 }
 
 /* Hold the object's way to where it is already. Returns the request's number, once it
@@ -102,21 +83,18 @@ static int step_still(struct rival *rival, struct proto_FRAME_SUBMIT_result *ans
 static uint32_t hold(struct rival *rival, uint32_t slot, const float x[3][3])
 {
     struct proto_FRAME_SUBMIT_request submit = write_step(rival, slot, x);
-    const struct proto_MESH_EDGES_request edges = {.mesh = rival->mesh, .count = 3};
     uint32_t id;
 
     submit.hold = true;
     id = request(rival, PROTO_METHOD_FRAME_SUBMIT, &submit);
     /* Computed behind it. */
-    assert_int_equal(call(rival, PROTO_METHOD_MESH_EDGES, &edges, NULL), 0);
+    assert_ok(RAW_CALL(&rival->raw, MESH_EDGES, NULL, .mesh = rival->mesh, .count = 3));
     return id;
 }
 
 static void leave_scene(struct rival *rival)
 {
-    const struct proto_SCENE_DESTROY_request destroy = {.scene = rival->scene};
-
-    assert_int_equal(call(rival, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL), 0);
+    assert_ok(RAW_CALL(&rival->raw, SCENE_DESTROY, NULL, .scene = rival->scene));
 }
 
 /* ---- leaving ----------------------------------------------------------------------- */
@@ -126,12 +104,11 @@ static void leave_scene(struct rival *rival)
 static uint32_t return_at_once(struct rival *rival, const char *name, uint32_t next_scene,
                                int method, const void *asked)
 {
-    struct proto_SCENE_DESTROY_request destroy = {.scene = rival->scene};
     struct proto_SCENE_CREATE_request create = {.want = next_scene,
                                                 .share = PCCD_SHARE_ATTACH};
 
     strcpy(create.name, name);
-    (void)request(rival, PROTO_METHOD_SCENE_DESTROY, &destroy);
+    assert_true(RAW_SEND(&rival->raw, SCENE_DESTROY, .scene = rival->scene) != 0);
     (void)request(rival, PROTO_METHOD_SCENE_CREATE, &create);
     rival->scene = next_scene;
     return request(rival, method, asked);
@@ -172,13 +149,12 @@ CASE_WITH(rivals__one_who_comes_back_has_what_it_adds, start, teardown)
 {
     struct proto_SCENE_ADD_result added;
     struct proto_MESH_CREATE_result empty;
-    const struct proto_MESH_CREATE_request create = {.vertex_count = 3,
-                                                     .triangle_count = 1};
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
 
     enter_both("returns");
-    assert_int_equal(call(&second, PROTO_METHOD_MESH_CREATE, &create, &empty), 0);
+    assert_ok(RAW_CALL(&second.raw, MESH_CREATE, &empty, .vertex_count = 3,
+                       .triangle_count = 1));
     for (uint32_t round = 1; round <= ROUNDS; round++) {
         uint32_t scene = ((second.scene >> 20) + 1) << 20;
         struct proto_SCENE_ADD_request add = {.scene = scene, .mesh = second.mesh};
@@ -198,7 +174,7 @@ CASE_WITH(rivals__one_who_comes_back_has_what_it_adds, start, teardown)
         assert_ok(test_raw_answer(&second.raw, id, PROTO_METHOD_SCENE_ADD, &added));
         second.object = added.object;
         submit = write_step(&second, 0, test_floor_x);
-        assert_int_equal(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer), 0);
+        assert_ok(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer));
     }
     assert_int_equal(test_stat(client, "objects_now"), 2);
     leave_both();
@@ -230,7 +206,7 @@ CASE_WITH(rivals__one_who_comes_back_holds_one_frame, start, teardown)
         test_sleep_ms(2);
         assert_int_equal(call(&second, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL),
                          PCCD_E_BUSY);
-        assert_int_equal(step_still(&first, &answer), 0);
+        assert_ok(step_still(&first, &answer));
         assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     }
     leave_both();
@@ -245,13 +221,11 @@ static void ignore_many(struct rival *rival, const uint32_t *objects, uint32_t c
 
     for (uint32_t sent = 0, taken = 0; taken < all; taken++) {
         for (; sent < all && sent - taken < IN_FLIGHT; sent++) {
-            const struct proto_SCENE_IGNORE_request ignore = {
-                .scene = rival->scene,
-                .a = objects[sent / each],
-                .b = objects[(sent / each + 1 + sent % each) % count],
-                .ignored = true};
+            uint32_t b = objects[(sent / each + 1 + sent % each) % count];
 
-            (void)request(rival, PROTO_METHOD_SCENE_IGNORE, &ignore);
+            assert_true(RAW_SEND(&rival->raw, SCENE_IGNORE, .scene = rival->scene,
+                                 .a = objects[sent / each], .b = b,
+                                 .ignored = true) != 0);
         }
         assert_ok(test_raw_receive(&rival->raw));
         assert_false(rival->raw.envelope.failed);
@@ -263,7 +237,6 @@ static void ignore_many(struct rival *rival, const uint32_t *objects, uint32_t c
 CASE_WITH(rivals__one_who_leaves_with_much_delays_nobody, start, teardown)
 {
     static uint32_t objects[OBJECTS];
-    struct proto_SCENE_DESTROY_request destroy;
     struct proto_FRAME_SUBMIT_result answer;
     uint64_t begin_us;
     uint64_t step_us;
@@ -272,20 +245,14 @@ CASE_WITH(rivals__one_who_leaves_with_much_delays_nobody, start, teardown)
 
     enter_both("much");
     for (uint32_t i = 0; i < OBJECTS; i++) {
-        const struct proto_SCENE_ADD_request add = {.scene = second.scene,
-                                                    .mesh = second.mesh};
-        struct proto_SCENE_ADD_result added;
-
-        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
-        objects[i] = added.object;
+        assert_ok(test_raw_add(&second.raw, second.scene, second.mesh, &objects[i]));
     }
     begin_us = test_now_us();
     ignore_many(&second, objects, OBJECTS, PAIRS_OF_EACH);
     ignore_us = test_now_us() - begin_us;
-    destroy.scene = second.scene;
     begin_us = test_now_us();
-    assert_int_equal(call(&second, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL), 0);
-    assert_int_equal(step_still(&first, &answer), 0);
+    leave_scene(&second);
+    assert_ok(step_still(&first, &answer));
     step_us = test_now_us() - begin_us;
     assert_int_equal(answer.total, 0); /* the floors that are left lie on each other */
     assert_int_equal(test_stat_await(client, "objects_now", 1), 1);
@@ -318,12 +285,8 @@ CASE_WITH(rivals__one_who_is_looked_at_may_leave, start_with_grid, teardown_grid
     uint32_t late_count = 0;
 
     for (int i = 0; i < ROUNDS; i++) {
-        const struct proto_LIST_SESSION_request newest = {.before = 0};
-        const struct proto_SCENE_CREATE_request alone = {.share = 0};
         struct proto_LIST_SESSION_result listed;
-        struct proto_LIST_PAIR_request pairs = {.cursor = 0};
         struct proto_LIST_PAIR_result pair;
-        struct proto_SCENE_CREATE_result created;
         struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
         uint32_t id;
@@ -331,14 +294,13 @@ CASE_WITH(rivals__one_who_is_looked_at_may_leave, start_with_grid, teardown_grid
 
         assert_ok(test_raw_session(&second.raw, test_shared.socket, 0, 0));
         assert_ok(test_raw_session(&first.raw, test_shared.socket, 0, 0));
-        assert_int_equal(call(&first, PROTO_METHOD_SCENE_CREATE, &alone, &created), 0);
-        assert_int_equal(call(&second, PROTO_METHOD_LIST_SESSION, &newest, &listed), 0);
-        pairs.session = listed.session;
-        pairs.scene = created.scene;
+        assert_ok(test_raw_scene(&first.raw, "", &first.scene));
+        assert_ok(RAW_CALL(&second.raw, LIST_SESSION, &listed, .before = 0));
         assert_ok(test_grid_submit(&grid, NULL, &step));
-        id = request(&second, PROTO_METHOD_LIST_PAIR, &pairs); /* behind it, mostly */
-        is_early = receive_both(&second, id,
-                                request(&second, PROTO_METHOD_LIST_SESSION, &newest));
+        id = RAW_SEND(&second.raw, LIST_PAIR, .session = listed.session,
+                      .scene = first.scene); /* behind it, mostly */
+        is_early =
+            receive_both(&second, id, RAW_SEND(&second.raw, LIST_SESSION, .before = 0));
         test_raw_close(&first.raw);
         if (!is_early) {
             assert_ok(test_raw_answer(&second.raw, id, PROTO_METHOD_LIST_PAIR, &pair));
@@ -370,15 +332,15 @@ CASE_WITH(rivals__one_who_is_not_back_keeps_its_numbers, start, teardown)
         leave_scene(&first);
         leave_scene(&second);
         first.scene = second.scene = create.want = add.scene = (i + 5) << 20;
-        assert_int_equal(call(&second, PROTO_METHOD_SCENE_CREATE, &create, NULL), 0);
+        assert_ok(call(&second, PROTO_METHOD_SCENE_CREATE, &create, NULL));
         add.mesh = second.mesh;
         add.want = 0;
-        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
-        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
-        assert_int_equal(call(&first, PROTO_METHOD_SCENE_CREATE, &create, NULL), 0);
+        assert_ok(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added));
+        assert_ok(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added));
+        assert_ok(call(&first, PROTO_METHOD_SCENE_CREATE, &create, NULL));
         add.mesh = first.mesh;
         for (add.want = 1u << 20; add.want < (1u << 20) + 64; add.want++) {
-            assert_int_equal(call(&first, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+            assert_ok(call(&first, PROTO_METHOD_SCENE_ADD, &add, &added));
             assert_int_equal(added.object, add.want);
         }
     }
@@ -398,30 +360,25 @@ CASE_WITH(rivals__an_error_is_told_to_whose_it_is, start_with_grid, teardown_gri
     /* Once in a while the long step ends at once, and the error is told in its turn. */
     for (int i = 0; i < ROUNDS && status == PCCD_E_HANDLE; i++) {
         struct proto_FRAME_SUBMIT_request submit = write_step(&second, 0, test_floor_x);
-        const struct proto_SCENE_REMOVE_request remove = {.scene = second.scene,
-                                                          .object = second.object};
-        const struct proto_SCENE_ADD_request add = {.scene = second.scene,
-                                                    .mesh = second.mesh};
-        struct proto_SCENE_ADD_result added;
         struct pccd_answer whole = PCCD_ANSWER_INIT;
         uint64_t step = 0;
         uint32_t id;
 
         submit.deadline_ns = DEADLINE_NS;
         assert_ok(test_grid_submit(&grid, NULL, &step));
-        (void)request(&second, PROTO_METHOD_SCENE_REMOVE, &remove);
+        assert_true(RAW_SEND(&second.raw, SCENE_REMOVE, .scene = second.scene,
+                             .object = second.object) != 0);
         id = request(&second, PROTO_METHOD_FRAME_SUBMIT, &submit);
         status = test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
         assert_ok(pccd_wait(grid.client, step, 60000, &whole));
         pccd_answer_release(grid.client, &whole);
-        assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
-        second.object = added.object;
+        assert_ok(test_raw_add(&second.raw, second.scene, second.mesh, &second.object));
     }
     assert_int_equal(status, 0);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
-    assert_int_equal(step_still(&first, &answer), 0);
+    assert_ok(step_still(&first, &answer));
     assert_int_equal(step_still(&second, &answer), PCCD_E_HANDLE);
-    assert_int_equal(step_still(&second, &answer), 0);
+    assert_ok(step_still(&second, &answer));
     leave_both();
 }
 
@@ -466,8 +423,7 @@ CASE_WITH(rivals__every_step_that_has_run_is_told, start, teardown)
 
     enter_both("told");
     atomic_store(&is_over, false);
-    assert_int_equal(pthread_create(&spoiler, NULL, spoil, test_raw_upload(&first.raw)),
-                     0);
+    assert_ok(pthread_create(&spoiler, NULL, spoil, test_raw_upload(&first.raw)));
     for (int i = 0; i < SPOILT; i++) {
         int status = step_still(&first, &answer);
 
@@ -476,8 +432,8 @@ CASE_WITH(rivals__every_step_that_has_run_is_told, start, teardown)
     }
     atomic_store(&is_over, true);
     assert_int_equal(pthread_join(spoiler, NULL), 0);
-    atomic_store(&test_raw_upload(&first.raw)->result_head.value, 0);
-    assert_int_equal(step_still(&first, &answer), 0);
+    test_raw_release(&first.raw, 0);
+    assert_ok(step_still(&first, &answer));
     take_news(&second, &told);
     assert_true(told > 1 && told == answer.number);
     leave_both();

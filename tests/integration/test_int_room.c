@@ -46,15 +46,8 @@ static void make_grid(void)
 
 static int hello(bool again)
 {
-    struct proto_HELLO_request request = {
-        .version_min = 1, .version_max = 1, .client = "first", .resumable = true};
-    if (again) {
-        request.resume_epoch = fixture.session.epoch;
-        request.resume_session = fixture.session.session;
-        request.token_hi = fixture.session.token_hi;
-        request.token_lo = fixture.session.token_lo;
-    }
-    return test_raw_call(&fixture.first, PROTO_METHOD_HELLO, &request, &fixture.session);
+    return test_raw_hello_again(&fixture.first, again ? &fixture.session : NULL,
+                                &fixture.session);
 }
 
 static void open_second(void)
@@ -75,13 +68,12 @@ static void open_both(const char *option, const char *value)
 /* Until the daemon has seen it. */
 static void lose_first(void)
 {
-    const struct proto_STATS_request request = {0};
     struct proto_STATS_result stats;
     uint64_t until_ms = test_now_ms() + WAIT_MS;
     (void)close(fixture.first.socket);
     fixture.first.socket = -1;
     do {
-        assert_ok(test_raw_call(&fixture.second, PROTO_METHOD_STATS, &request, &stats));
+        assert_ok(RAW_CALL(&fixture.second, STATS, &stats, .reserved = 0));
     } while (stats.sessions_waiting_now == 0 && test_now_ms() < until_ms);
     assert_int_equal(stats.sessions_waiting_now, 1);
 }
@@ -103,9 +95,8 @@ static void close_both(void)
 
 static int create_mesh(struct test_raw *raw, uint32_t triangle_count)
 {
-    const struct proto_MESH_CREATE_request request = {.vertex_count = 3,
-                                                      .triangle_count = triangle_count};
-    return test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &request, NULL);
+    return RAW_CALL(raw, MESH_CREATE, NULL, .vertex_count = 3,
+                    .triangle_count = triangle_count);
 }
 
 /* If it failed, a program that lost its connection, and starts anew, would be refused

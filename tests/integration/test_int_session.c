@@ -7,6 +7,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "pccd.h"
@@ -45,12 +46,11 @@ CASE(session__hello_and_ping_reach_the_daemon)
 /* If it failed, a client of another protocol would be half understood. */
 CASE(session__unknown_version_is_refused)
 {
-    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MAX + 1,
-                                          .version_max = PROTO_VERSION_MAX + 3};
     static struct test_raw raw;
 
     assert_true(test_raw_open(&raw, shared.socket));
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, NULL),
+    assert_int_equal(RAW_CALL(&raw, HELLO, NULL, .version_min = PROTO_VERSION_MAX + 1,
+                              .version_max = PROTO_VERSION_MAX + 3),
                      PCCD_E_VERSION);
     assert_true(raw.error.fatal);
     assert_int_equal(test_raw_receive(&raw), PCCD_E_DISCONNECTED);
@@ -60,13 +60,12 @@ CASE(session__unknown_version_is_refused)
 /* If it failed, a newer client that still speaks our version would be turned away. */
 CASE(session__version_range_that_overlaps_is_agreed)
 {
-    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
-                                          .version_max = PROTO_VERSION_MAX + 7};
     struct proto_HELLO_result result;
     static struct test_raw raw;
 
     assert_true(test_raw_open(&raw, shared.socket));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_HELLO, &request, &result));
+    assert_ok(RAW_CALL(&raw, HELLO, &result, .version_min = PROTO_VERSION_MIN,
+                       .version_max = PROTO_VERSION_MAX + 7));
     assert_int_equal(result.version, PROTO_VERSION_MAX);
     assert_int_equal(result.pid, shared.pid);
     test_raw_close(&raw);
@@ -75,19 +74,17 @@ CASE(session__version_range_that_overlaps_is_agreed)
 /* If it failed, a peer could use the daemon without having agreed on a version. */
 CASE(session__requests_before_hello_are_refused)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_PING_request ping = {.token = 77};
     struct proto_PING_result pong;
+    uint32_t scene;
     static struct test_raw raw;
 
     assert_true(test_raw_open(&raw, shared.socket));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_PING, &ping, &pong));
+    assert_ok(RAW_CALL(&raw, PING, &pong, .token = 77));
     assert_int_equal(pong.token, 77);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL),
-                     PCCD_E_NOHELLO);
+    assert_int_equal(test_raw_scene(&raw, "", &scene), PCCD_E_NOHELLO);
     assert_ok(test_raw_hello(&raw));
     assert_int_equal(test_raw_hello(&raw), PCCD_E_STATE);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL));
+    assert_ok(test_raw_scene(&raw, "", &scene));
     test_raw_close(&raw);
 }
 
@@ -217,20 +214,17 @@ CASE(session__many_clients_take_turns)
 }
 
 /* If it failed, one user could take all connections, or a refusal hurt the others. */
-CASE(session__clients_beyond_the_quota_are_refused)
+CASE_DAEMON(session__clients_beyond_the_quota_are_refused, "--clients-max", "2")
 {
-    const char *const options[] = {"--clients-max", "2", NULL};
     struct pccd_options connect = {.struct_bytes = 0};
-    struct test_daemon daemon;
     struct pccd_client *third = NULL;
     struct test_crossing crossing;
     int status = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *first = test_client_at(daemon.url);
-    struct pccd_client *second = test_client_at(daemon.url);
+    struct pccd_client *first = test_client_at(test_own.url);
+    struct pccd_client *second = test_client_at(test_own.url);
     assert_ok(test_crossing_make(first, &crossing));
-    connect.url = daemon.url;
+    connect.url = test_own.url;
     for (int i = 0; i < 20; i++) {
         assert_int_equal(pccd_connect(&connect, &third), PCCD_E_QUOTA);
         assert_null(third);
@@ -250,22 +244,18 @@ CASE(session__clients_beyond_the_quota_are_refused)
     assert_true(test_crossing_turn(&crossing));
     pccd_close(third);
     pccd_close(first);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, one user could fill the daemon's memory. */
-CASE(session__meshes_triangles_and_memory_have_quotas)
+CASE_DAEMON(session__meshes_triangles_and_memory_have_quotas, "--meshes-max", "4",
+            "--triangles-max", "1000", "--shm-max-mib", "8")
 {
-    const char *const options[] = {
-        "--meshes-max", "4", "--triangles-max", "1000", "--shm-max-mib", "8", NULL};
-    struct test_daemon daemon;
     struct test_crossing crossing;
     struct test_grid grid;
     uint32_t meshes[2] = {0, 0};
     uint32_t extra = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_ok(test_crossing_make(client, &crossing));
     for (int i = 0; i < 2; i++)
         meshes[i] = test_mesh(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1);
@@ -281,8 +271,8 @@ CASE(session__meshes_triangles_and_memory_have_quotas)
                      PCCD_E_QUOTA); /* 3042 triangles */
     assert_non_null(strstr(pccd_error_text(client), "triangles"));
     test_grid_free(&grid);
-    struct pccd_client *greedy =
-        test_client(&(struct pccd_options){.url = daemon.url, .result_bytes = 32u << 20});
+    struct pccd_client *greedy = test_client(
+        &(struct pccd_options){.url = test_own.url, .result_bytes = 32u << 20});
     assert_int_equal(pccd_mesh_create(greedy, test_floor_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &extra, NULL),
                      PCCD_E_QUOTA);
@@ -290,60 +280,52 @@ CASE(session__meshes_triangles_and_memory_have_quotas)
     pccd_close(greedy);
     assert_true(test_crossing_turn(&crossing));
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a restart would throw away work that clients wait for. */
-CASE(session__sigterm_answers_what_is_in_flight)
+CASE_DAEMON(session__sigterm_answers_what_is_in_flight, NULL)
 {
     enum { STEPS = 4 };
-    struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t steps[STEPS];
     int status;
 
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = test_connect_once(daemon.url);
+    struct pccd_client *client = test_connect_once(test_own.url);
     assert_non_null(client);
     assert_ok(test_grid_make(client, 60, &grid));
     for (int i = 0; i < STEPS; i++)
         assert_ok(test_grid_submit(&grid, NULL, &steps[i]));
     assert_ok(pccd_ping(client, NULL)); /* behind the steps: they have been read */
-    assert_int_equal(kill(daemon.pid, SIGTERM), 0);
+    assert_int_equal(kill(test_own.pid, SIGTERM), 0);
     for (int i = 0; i < STEPS; i++) {
         assert_ok(pccd_wait(client, steps[i], -1, &answer));
         assert_true(test_grid_is_right(&grid, &answer));
         pccd_answer_release(client, &answer);
     }
-    status = test_daemon_end(&daemon, 0, 10000);
+    status = test_daemon_end(&test_own, 0, 10000);
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);
-    assert_int_not_equal(access(daemon.socket, F_OK), 0);
+    assert_int_not_equal(access(test_own.socket, F_OK), 0);
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
     assert_true(pccd_error_text(client)[0] != '\0');
     pccd_close(client);
     test_grid_free(&grid);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, daemons that nobody uses would stay for ever. */
-CASE(session__idle_daemon_ends_by_itself)
+CASE_DAEMON(session__idle_daemon_ends_by_itself, "--idle-exit", "1")
 {
-    const char *const options[] = {"--idle-exit", "1", NULL};
-    struct test_daemon daemon;
     struct pccd_client *client;
     int status;
 
-    assert_true(test_daemon_start(&daemon, options));
-    client = test_client_at(daemon.url);
+    client = test_client_at(test_own.url);
     test_sleep_ms(1500);
     assert_ok(pccd_ping(client, NULL)); /* a silent client is a client */
     pccd_close(client);
-    status = test_daemon_end(&daemon, 0, 8000);
+    status = test_daemon_end(&test_own, 0, 8000);
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a program would wait for a daemon that cannot be, or get one unasked. */
@@ -460,22 +442,18 @@ CASE(session__null_arguments_are_refused)
 }
 
 /* If it failed, clients would be refused although there is a place now. */
-CASE(session__limit_that_is_raised_lets_in_who_waits)
+CASE_DAEMON(session__limit_that_is_raised_lets_in_who_waits, "--connections-max", "8")
 {
-    static const char *const options[] = {"--connections-max", "8", NULL};
-    struct test_daemon daemon;
     struct test_raw raw;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = test_client_at(daemon.url);
+    struct pccd_client *client = test_client_at(test_own.url);
     assert_ok(pccd_config_set(client, "connections-max", "1"));
-    assert_true(test_raw_open(&raw, daemon.socket)); /* has not said hello */
-    assert_ok(pccd_ping(client, NULL));              /* the daemon has looked at it */
+    assert_true(test_raw_open(&raw, test_own.socket)); /* has not said hello */
+    assert_ok(pccd_ping(client, NULL));                /* the daemon has looked at it */
     assert_ok(pccd_config_set(client, "connections-max", "2"));
     assert_ok(test_raw_hello(&raw));
     test_raw_close(&raw);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 #define MANY 16384u

@@ -21,8 +21,7 @@ struct member {
 static void open_member(struct member *member, const char *name, const float rest[3][3])
 {
     *member = (struct member){.client = test_client_at(test_shared.url), .rest = rest};
-    assert_int_equal(
-        test_take_part(member->client, name, PCCD_SHARE_OPEN, 0, &member->scene), 0);
+    assert_ok(test_take_part(member->client, name, PCCD_SHARE_OPEN, 0, &member->scene));
     member->mesh = test_mesh(member->client, rest, PCCD_FORMAT_F32, 3, test_triangle, 1);
     member->object = test_object(member->client, member->scene, member->mesh);
 }

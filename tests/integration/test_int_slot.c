@@ -20,23 +20,13 @@ static uint32_t removed; /* an object that is not there any more */
 
 static int open_raw(void **state)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
-    struct proto_SCENE_REMOVE_request remove = {0};
-
     (void)state;
     test_witness_open_raw(&raw, SLOT_BYTES);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_scene(&raw, "", &scene));
     assert_ok(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh));
-    add.scene = remove.scene = scene = created.scene;
-    add.mesh = mesh;
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-    remove.object = removed = added.object;
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &remove, NULL));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-    object = added.object;
+    assert_ok(test_raw_add(&raw, scene, mesh, &removed));
+    assert_ok(RAW_CALL(&raw, SCENE_REMOVE, NULL, .scene = scene, .object = removed));
+    assert_ok(test_raw_add(&raw, scene, mesh, &object));
     return 0;
 }
 
@@ -52,23 +42,15 @@ static int close_raw(void **state)
 
 static int submit(uint32_t slot, uint64_t seq, uint32_t segments)
 {
-    struct proto_FRAME_SUBMIT_request request = {
-        .scene = scene, .slot = slot, .seq = seq, .segments = segments};
-    struct proto_FRAME_SUBMIT_result result;
-
-    return test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result);
+    return RAW_CALL(&raw, FRAME_SUBMIT, NULL, .scene = scene, .slot = slot, .seq = seq,
+                    .segments = segments);
 }
 
 /* A step that is right: the triangle at its registered place. Returns the sequence
  * number. */
 static uint64_t write_good_step(void)
 {
-    const struct proto_segment segment = {
-        .object = object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
-
-    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
-    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof test_triangle_x);
-    return test_raw_publish(&raw, 0);
+    return test_raw_move(&raw, 0, scene, object, test_triangle_x, 3).seq;
 }
 
 static void expect_good_step(void)
@@ -123,16 +105,10 @@ CASE_WITH(slot__answers_come_in_the_order_of_the_steps, open_raw, close_raw)
 /* If it failed, a submit without a ring would touch memory that is not there. */
 CASE_WITH(slot__without_a_ring_is_refused, open_raw, close_raw)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_FRAME_SUBMIT_request request = {.seq = 2, .segments = 1};
-
     test_raw_close(&raw);
     test_witness_open_raw(&raw, 0);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
-    request.scene = created.scene;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, NULL),
-                     PCCD_E_STATE);
+    assert_ok(test_raw_scene(&raw, "", &scene));
+    assert_int_equal(submit(0, 2, 1), PCCD_E_STATE);
     test_witness_turn();
 }
 
@@ -319,30 +295,32 @@ CASE_WITH(positions__that_are_not_finite_are_refused, open_raw, close_raw)
 
 static int send_chunk(uint32_t handle, uint32_t part, uint32_t first, uint32_t count)
 {
-    struct proto_MESH_DATA_request request = {.mesh = handle,
-                                              .seq = test_raw_publish(&raw, 0),
-                                              .part = part,
-                                              .first = first,
-                                              .count = count};
+    return RAW_CALL(&raw, MESH_DATA, NULL, .mesh = handle,
+                    .seq = test_raw_publish(&raw, 0), .part = part, .first = first,
+                    .count = count);
+}
 
-    return test_raw_call(&raw, PROTO_METHOD_MESH_DATA, &request, NULL);
+static int create_mesh(uint32_t vertex_count, struct proto_MESH_CREATE_result *created)
+{
+    return RAW_CALL(&raw, MESH_CREATE, created, .vertex_count = vertex_count,
+                    .triangle_count = 2);
+}
+
+static int commit(uint32_t handle)
+{
+    return RAW_CALL(&raw, MESH_COMMIT, NULL, .mesh = handle);
 }
 
 /* If it failed, a mesh could name vertices that are not there, or be used half-made. */
 CASE_WITH(mesh__chunks_that_do_not_fit_are_refused, open_raw, close_raw)
 {
-    struct proto_MESH_CREATE_request create = {.vertex_count = 20000,
-                                               .triangle_count = 2};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_request commit = {0};
-    struct proto_SCENE_ADD_request add = {0};
     uint32_t *triangles = (uint32_t *)(void *)test_raw_payload(&raw, 0);
     uint32_t handle;
 
     memset(triangles, 0, SLOT_BYTES);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created));
-    handle = commit.mesh = add.mesh = created.mesh;
-    add.scene = scene;
+    assert_ok(create_mesh(20000, &created));
+    handle = created.mesh;
     assert_int_equal(send_chunk(handle, 0, 0, 0), PCCD_E_INVAL);
     assert_int_equal(send_chunk(handle, 0, 0, SLOT_BYTES / 12 + 1), PCCD_E_INVAL);
     assert_int_equal(send_chunk(handle, 0, 19999, 2), PCCD_E_INVAL);
@@ -353,34 +331,26 @@ CASE_WITH(mesh__chunks_that_do_not_fit_are_refused, open_raw, close_raw)
     assert_int_equal(send_chunk(handle, 0, 5, 1), PCCD_E_STATE); /* leaves a gap */
     assert_int_equal(send_chunk(handle + 77, 0, 0, 1), PCCD_E_HANDLE);
     for (uint32_t first = 0; first < 20000; first += 5000) {
-        assert_int_equal(send_chunk(handle, 0, first, 5000), 0);
+        assert_ok(send_chunk(handle, 0, first, 5000));
     }
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL),
-                     PCCD_E_STATE);
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL),
-                     PCCD_E_STATE);
+    assert_int_equal(commit(handle), PCCD_E_STATE);
+    assert_int_equal(test_raw_add(&raw, scene, handle, &object), PCCD_E_STATE);
     triangles[5] = 20000;
     assert_int_equal(send_chunk(handle, 1, 0, 2), PCCD_E_INDEX);
     triangles[5] = UINT32_MAX;
     assert_int_equal(send_chunk(handle, 1, 0, 2), PCCD_E_INDEX);
     triangles[5] = 19999;
-    assert_int_equal(send_chunk(handle, 1, 0, 2), 0);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL));
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL),
-                     PCCD_E_STATE);
+    assert_ok(send_chunk(handle, 1, 0, 2));
+    assert_ok(commit(handle));
+    assert_int_equal(commit(handle), PCCD_E_STATE);
     assert_int_equal(send_chunk(handle, 1, 0, 2), PCCD_E_STATE);
     test_witness_turn();
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL));
-    create.vertex_count = 0;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
-                     PCCD_E_INVAL);
-    create.vertex_count = UINT32_MAX;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
-                     PCCD_E_INVAL);
-    if (!test_is_direct()) {             /* where some machines have the memory */
-        create.vertex_count = INT32_MAX; /* legal, but beyond any quota */
-        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL),
-                         PCCD_E_QUOTA);
+    assert_ok(test_raw_add(&raw, scene, handle, &object));
+    assert_int_equal(create_mesh(0, &created), PCCD_E_INVAL);
+    assert_int_equal(create_mesh(UINT32_MAX, &created), PCCD_E_INVAL);
+    if (!test_is_direct()) { /* where some machines have the memory */
+        /* Legal, but beyond any quota. */
+        assert_int_equal(create_mesh(INT32_MAX, &created), PCCD_E_QUOTA);
     }
 }
 
@@ -407,19 +377,17 @@ CASE_WITH(memory__scribbled_headers_and_counters_do_not_matter, open_raw, close_
 CASE_WITH(memory__wrong_result_head_is_refused, open_raw, close_raw)
 {
     static const uint64_t wrong[] = {1u << 20, UINT64_MAX, UINT64_MAX / 2, 1};
-    struct proto_MESH_EDGES_request edges = {.first = 0, .count = 3};
     struct proto_MESH_EDGES_result result;
     struct proto_upload *upload = test_raw_upload(&raw);
 
-    edges.mesh = mesh;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         atomic_store(&upload->result_head.value, wrong[i]);
-        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_EDGES, &edges, &result),
+        assert_int_equal(RAW_CALL(&raw, MESH_EDGES, &result, .mesh = mesh, .count = 3),
                          PCCD_E_INVAL);
         test_witness_turn();
     }
     atomic_store(&upload->result_head.value, 0);
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_MESH_EDGES, &edges, &result));
+    assert_ok(RAW_CALL(&raw, MESH_EDGES, &result, .mesh = mesh, .count = 3));
     assert_int_equal(result.count, 3);
     assert_true(result.offset >= PROTO_SHM_PAGE);
     expect_good_step();
@@ -440,9 +408,8 @@ CASE_WITH(memory__cannot_be_shrunk_or_written_where_it_must_not, open_raw, close
     assert_int_equal(ftruncate(raw.upload.fd, 1 << 30), -1);
     assert_int_equal(fcntl(raw.upload.fd, F_ADD_SEALS, F_SEAL_WRITE), -1);
     /* A hole reads as zeros: the slot is stale then, and nothing worse. */
-    assert_int_equal(fallocate(raw.upload.fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
-                               0, (off_t)raw.upload.bytes),
-                     0);
+    assert_ok(fallocate(raw.upload.fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
+                        (off_t)raw.upload.bytes));
     assert_int_equal(atomic_load(&upload->slots[0].seq), 0);
     assert_int_equal(submit(0, 2, 1), PCCD_E_SLOT_STALE);
     test_witness_turn();
@@ -485,9 +452,7 @@ CASE_WITH(memory__rings_of_impossible_sizes_are_refused, open_raw, close_raw)
 
 static int take(uint32_t slot)
 {
-    struct proto_SHM_TAKE_request request = {.slot = slot};
-
-    return test_raw_call(&raw, PROTO_METHOD_SHM_TAKE, &request, NULL);
+    return RAW_CALL(&raw, SHM_TAKE, NULL, .slot = slot);
 }
 
 /* If it failed, the daemon would read, and so fill, memory that nobody is charged for; or

@@ -65,8 +65,7 @@ CASE_CROSSING(mesh__larger_than_a_slot_arrives_whole)
                                            .result_bytes = 65536});
     assert_ok(test_grid_make(client, 90, &grid));
     /* The edges need several pages of the result region. */
-    edges = calloc(edge_count, sizeof *edges);
-    assert_non_null(edges);
+    edges = test_room(edge_count * sizeof *edges);
     assert_ok(pccd_mesh_edges(client, grid.mesh, edges, edge_count));
     for (uint32_t i = 1; i < edge_count; i++) {
         assert_true(edges[i - 1].b < edges[i].b ||

@@ -8,6 +8,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "fixture.h"
 #include "grid.h"
 #include "must.h"
 #include "taken.h"
@@ -42,24 +43,20 @@ static void turn(struct test_grid *grid)
 
 /* If it failed, the eighth client of a user would be refused for memory that nobody
  * uses. */
-CASE(clients__with_small_scenes_take_little)
+CASE_DAEMON(clients__with_small_scenes_take_little, "--clients-max", "1002",
+            "--connections-max", "2000", "--meshes-max", "2000")
 {
-    static const char *const options[] = {
-        "--clients-max", "1002", "--connections-max", "2000", "--meshes-max",
-        "2000",          NULL};
     static struct test_grid grids[CLIENTS_MAX];
     const char *chosen = getenv("PCCD_CLIENTS");
     uint32_t count = chosen != NULL ? (uint32_t)atoi(chosen) : CLIENTS;
-    struct test_daemon daemon;
     struct rlimit files;
 
     assert_true(count >= 1 && count <= CLIENTS_MAX);
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &files), 0);
     files.rlim_cur = files.rlim_max;
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &files), 0);
-    assert_true(test_daemon_start(&daemon, options));
     for (uint32_t i = 0; i < count; i++) {
-        struct pccd_client *client = connect_by_default(daemon.url);
+        struct pccd_client *client = connect_by_default(test_own.url);
 
         assert_ok(test_grid_make(client, SIDE_SMALL, &grids[i]));
         turn(&grids[i]);
@@ -79,16 +76,14 @@ CASE(clients__with_small_scenes_take_little)
         test_grid_free(&grids[i]);
         pccd_close(client);
     }
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, the first frame of a mesh would attach larger slots: both rings are there
  * for a while, and the client waits for it. */
-CASE(slots__hold_a_frame_of_the_first_mesh)
+CASE_DAEMON(slots__hold_a_frame_of_the_first_mesh, NULL)
 {
     static double x[3 * SOUP][3];
     static uint32_t triangles[SOUP][3];
-    struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     for (uint32_t i = 0; i < 3 * SOUP; i++) {
@@ -96,11 +91,9 @@ CASE(slots__hold_a_frame_of_the_first_mesh)
         x[i][1] = i % 3 == 1;
         triangles[i / 3][i % 3] = i;
     }
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = connect_by_default(daemon.url);
+    struct pccd_client *client = connect_by_default(test_own.url);
 
-    uint32_t mesh = test_mesh(client, x, PCCD_FORMAT_F64, 3 * SOUP,
-                              (const uint32_t(*)[3])triangles, SOUP);
+    uint32_t mesh = test_mesh(client, x, PCCD_FORMAT_F64, 3 * SOUP, triangles, SOUP);
     uint64_t before = test_stat(client, "shm_bytes_now");
 
     uint32_t scene = test_scene(client);
@@ -111,20 +104,17 @@ CASE(slots__hold_a_frame_of_the_first_mesh)
     assert_int_equal(test_stat(client, "shm_bytes_now"), before);
     assert_true(before < (512u << 20) / CLIENTS_MAX);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, an answer that needs memory which the region has not taken would be lost,
  * or be charged to nobody. */
-CASE(region__takes_what_an_answer_needs)
+CASE_DAEMON(region__takes_what_an_answer_needs, NULL)
 {
-    struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = connect_by_default(daemon.url);
+    struct pccd_client *client = connect_by_default(test_own.url);
 
     assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     uint64_t before = test_stat(client, "shm_bytes_now");
@@ -141,10 +131,9 @@ CASE(region__takes_what_an_answer_needs)
     assert_int_equal(told, test_taken_bytes());
     test_grid_free(&grid);
     pccd_close(client);
-    client = connect_by_default(daemon.url);
+    client = connect_by_default(test_own.url);
     assert_int_equal(test_stat_await(client, "shm_bytes_now", 0), 0);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* Return what is left of the shared memory when nobody has asked anything for a while. */
@@ -165,14 +154,12 @@ static void ask(struct test_grid *grid, struct pccd_answer *answer)
 
 /* If it failed, a client that once had a large answer would hold its memory for as long
  * as it is connected. */
-CASE(region__gives_memory_back_when_idle)
+CASE_DAEMON(region__gives_memory_back_when_idle, NULL)
 {
-    struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = connect_by_default(daemon.url);
+    struct pccd_client *client = connect_by_default(test_own.url);
 
     assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     turn(&grid); /* slots are as large as they will be */
@@ -193,7 +180,6 @@ CASE(region__gives_memory_back_when_idle)
     pccd_answer_release(client, &answer);
     test_grid_free(&grid);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* The answer to a turn, page by page. Returns how many there were. */
@@ -224,23 +210,20 @@ static uint32_t ask_by_pages(struct test_grid *grid)
 
 /* If it failed, a user's quota would lose records, or end the daemon, where the region is
  * larger than what the user may take: the answer comes in pages then. */
-CASE(region__is_as_large_as_the_quota_allows)
+CASE_DAEMON(region__is_as_large_as_the_quota_allows, "--shm-max-mib", "76")
 {
-    static const char *const options[] = {"--shm-max-mib", "76", NULL};
-    struct test_daemon daemon;
     struct test_grid other;
     struct test_grid grid;
     struct pccd_options hoard;
     struct pccd_client *hoarder = NULL;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = connect_by_default(daemon.url);
+    struct pccd_client *client = connect_by_default(test_own.url);
 
     assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     assert_int_equal(ask_by_pages(&grid), 1);
     assert_true(bytes_when_idle(client) < 5u << 20);
     memset(&hoard, 0, sizeof hoard); /* takes what was given back, and more */
-    hoard.url = daemon.url;
+    hoard.url = test_own.url;
     hoard.slot_count = 1;
     hoard.slot_bytes = HOARD_BYTES;
     hoard.result_bytes = 1u << 20;
@@ -253,7 +236,6 @@ CASE(region__is_as_large_as_the_quota_allows)
     test_grid_free(&other);
     pccd_close(client);
     pccd_close(hoarder);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 #define SLOTS 4u /* of a client that does not say how many (pccd.h) */
@@ -277,15 +259,13 @@ static void turn_in_all_slots(struct test_grid *grid)
 /* If it failed, a client that once had many steps in flight would hold the memory of all
  * its slots for as long as it is connected; or the positions that only a slot holds would
  * be lost with its memory: another daemon would be told zeros. */
-CASE(slots__give_memory_back_when_idle)
+CASE_DAEMON(slots__give_memory_back_when_idle, NULL)
 {
     const uint64_t slot_bytes = SIDE_LARGE * SIDE_LARGE * sizeof(float[3]);
-    struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = connect_by_default(daemon.url);
+    struct pccd_client *client = connect_by_default(test_own.url);
 
     assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     turn(&grid);
@@ -301,36 +281,32 @@ CASE(slots__give_memory_back_when_idle)
         assert_true(bytes_when_idle(client) <= idle);
         assert_int_equal(test_taken_bytes(), bytes_when_idle(client));
     }
-    assert_true(WIFSIGNALED(test_daemon_end(&daemon, SIGKILL, 10000)));
-    assert_true(test_daemon_restart(&daemon, NULL));
+    assert_true(WIFSIGNALED(test_daemon_end(&test_own, SIGKILL, 10000)));
+    assert_true(test_daemon_restart(&test_own, NULL));
     ask(&grid, &answer);
     assert_true(test_grid_is_right(&grid, &answer));
     pccd_answer_release(client, &answer);
     test_grid_free(&grid);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a client would be refused a frame for want of memory, although it has
  * slots that have some. */
-CASE(slots__that_have_memory_do_when_more_is_refused)
+CASE_DAEMON(slots__that_have_memory_do_when_more_is_refused, "--shm-max-mib", "76")
 {
-    static const char *const options[] = {"--shm-max-mib", "76", NULL};
-    struct test_daemon daemon;
     struct test_grid other;
     struct test_grid grid;
     struct pccd_options hoard;
     struct pccd_client *hoarder = NULL;
 
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = connect_by_default(daemon.url);
+    struct pccd_client *client = connect_by_default(test_own.url);
 
     assert_ok(test_grid_make(client, SIDE_LARGE, &grid));
     turn(&grid);
     uint64_t idle = bytes_when_idle(client);
 
     memset(&hoard, 0, sizeof hoard); /* leaves less than a slot */
-    hoard.url = daemon.url;
+    hoard.url = test_own.url;
     hoard.slot_count = 1;
     hoard.slot_bytes = (76u << 20) - idle - (512u << 10);
     hoard.result_bytes = 1u << 16;
@@ -345,23 +321,19 @@ CASE(slots__that_have_memory_do_when_more_is_refused)
     test_grid_free(&other);
     pccd_close(client);
     pccd_close(hoarder);
-    assert_true(test_daemon_finish(&daemon));
 }
 
 /* If it failed, a client whose frames grow would be refused larger slots, although the
  * user may have them: old and new ones would be there at the same time. */
-CASE(slots__grow_into_the_memory_that_they_give_back)
+CASE_DAEMON(slots__grow_into_the_memory_that_they_give_back, "--shm-max-mib", "76")
 {
-    static const char *const options[] = {"--shm-max-mib", "76", NULL};
-    struct test_daemon daemon;
     struct pccd_options asked;
     struct pccd_frame frame;
     struct pccd_client *client = NULL;
     uint32_t scene = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
     memset(&asked, 0, sizeof asked);
-    asked.url = daemon.url;
+    asked.url = test_own.url;
     asked.slot_count = 2;
     asked.result_bytes = 1u << 16;
     assert_ok(pccd_connect(&asked, &client));
@@ -377,5 +349,4 @@ CASE(slots__grow_into_the_memory_that_they_give_back)
     assert_ok(pccd_frame_begin(client, scene, 1, 30u << 20, &frame));
     pccd_frame_abort(&frame);
     pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
 }

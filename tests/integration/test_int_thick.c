@@ -279,8 +279,8 @@ CASE(thick__goes_as_far_as_is_safe_by_transforms)
     begin(&pile, test_shared.url);
     motion.object = pile.upper;
     assert_int_equal(set_radius(&pile, pile.lower, 0.3), 0);
-    assert_ok(pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part,
-                             &answer));
+    assert_ok(
+        pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part, &answer));
     assert_true(answer.total > 0);
     pccd_answer_release(pile.client, &answer);
     assert_true(part > 0.35 - 1e-6 && part < 0.35);
@@ -289,13 +289,13 @@ CASE(thick__goes_as_far_as_is_safe_by_transforms)
     assert_int_equal(answer.total, 0);
     pccd_answer_release(pile.client, &answer);
     motion.m1 = NULL;
-    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part,
-                                    &answer),
-                     PCCD_E_INVAL);
+    assert_int_equal(
+        pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part, &answer),
+        PCCD_E_INVAL);
     motion.m1 = m;
-    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part,
-                                    &answer),
-                     PCCD_E_INVAL);
+    assert_int_equal(
+        pccd_step_safe(pile.client, pile.scene, &motion, 1, NULL, to, &part, &answer),
+        PCCD_E_INVAL);
     assert_non_null(strstr(pccd_error_text(pile.client), "x lies in m0 or m1"));
     pccd_close(pile.client);
 }
@@ -365,16 +365,13 @@ static void note_radius(void *context, const struct pccd_object_info *info)
 
 /* If it failed, a daemon that takes the place of one that crashed would let everything
  * come nearer than before. */
-CASE(thick__comes_back_with_another_daemon)
+CASE_DAEMON(thick__comes_back_with_another_daemon, "--supervise", "--threads", "1")
 {
-    const char *const options[] = {"--supervise", "--threads", "1", NULL};
-    struct test_daemon daemon;
     struct pccd_answer answer;
     struct pile pile;
     double listed = 0;
 
-    assert_true(test_daemon_start(&daemon, options));
-    begin(&pile, daemon.url);
+    begin(&pile, test_own.url);
     assert_int_equal(set_radius(&pile, pile.lower, 0.75), 0);
     assert_ok(pccd_list_objects(pile.client, 0, pile.scene, note_radius, &listed));
     assert_true(listed == 0.75);
@@ -385,8 +382,7 @@ CASE(thick__comes_back_with_another_daemon)
     assert_int_equal(answer.total, PAIRS);
     assert_true(answer.toi_first <= 0.5 && answer.toi_first > 0.5 - 2 * CELL);
     pccd_close(pile.client);
-    (void)test_daemon_end(&daemon, SIGTERM, 10000);
-    assert_true(test_daemon_finish(&daemon));
+    (void)test_daemon_end(&test_own, SIGTERM, 10000);
 }
 
 /* If it failed, a session with thickness would be repeated without it, found right though
@@ -430,8 +426,8 @@ CASE(thick__is_recorded_repeated_and_verified)
     assert_int_equal(
         test_recording_repeats("--json --url direct: --method paper", test_recording, 6),
         6);
-    assert_int_equal(
-        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said), 0);
+    assert_ok(
+        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said));
     assert_int_equal(test_ctl_number(said, "contacts"), 3 * PAIRS + 12);
     assert_in_range(test_ctl_number(said, "non_contacts"), 2 * PAIRS, 5000);
 }
@@ -445,11 +441,7 @@ static void make_knot(struct test_raw *raw, struct proto_OBJECT_SET_request *set
     const uint32_t vertices = KNOT * KNOT / 128;
     uint32_t(*triangles)[3] = calloc(KNOT * KNOT / 2, sizeof *triangles);
     float(*x)[3] = calloc(vertices, sizeof *x);
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
-    uint32_t count = 0;
+    uint32_t mesh, count = 0;
 
     assert_true(triangles != NULL && x != NULL);
     for (uint32_t i = 0; i < KNOT; i++) {
@@ -459,12 +451,10 @@ static void make_knot(struct test_raw *raw, struct proto_OBJECT_SET_request *set
             memcpy(triangles[count], (uint32_t[3]){i, j, j + 1}, sizeof triangles[0]);
         }
     }
-    assert_ok(test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
+    assert_ok(test_raw_scene(raw, "", &set->scene));
     assert_ok(test_raw_mesh(raw, (const float(*)[3])x, vertices,
-                            (const uint32_t(*)[3])triangles, count, &add.mesh));
-    set->scene = add.scene = created.scene;
-    assert_ok(test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-    set->object = added.object;
+                            (const uint32_t(*)[3])triangles, count, &mesh));
+    assert_ok(test_raw_add(raw, set->scene, mesh, &set->object));
     free(triangles);
     free(x);
 }
@@ -479,18 +469,18 @@ CASE(thick__rings_are_not_looked_for_to_the_end_if_cancelled)
                                            .radius = 1,
                                            .rest_rings = 2};
     struct proto_OBJECT_SET_result is = {.radius = -1};
-    struct proto_CANCEL_request cancel;
+    uint32_t id;
 
     if (test_is_direct()) {
         test_skip("without a daemon it is done before the cancel is sent");
     }
     assert_ok(test_raw_session(&raw, test_shared.socket, 2, 8 << 20));
     make_knot(&raw, &set);
-    cancel.id = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &set);
-    assert_true(cancel.id != 0);
+    id = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &set);
+    assert_true(id != 0);
     test_sleep_ms(50); /* it has begun */
-    assert_true(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel) != 0);
-    assert_int_equal(test_raw_answer(&raw, cancel.id, PROTO_METHOD_OBJECT_SET, NULL),
+    assert_true(RAW_SEND(&raw, CANCEL, .id = id) != 0);
+    assert_int_equal(test_raw_answer(&raw, id, PROTO_METHOD_OBJECT_SET, NULL),
                      PCCD_E_CANCELLED);
     set.what = 0; /* nothing has changed */
     assert_ok(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &set, &is));

@@ -162,17 +162,15 @@ static struct pccd_near distance(struct hall *hall)
 
 /* If this failed, a door that has turned would stand elsewhere afterwards, to the last
  * bit: for the next step, for what is near, or once its daemon has crashed. */
-CASE(turning__ends_where_its_joints_end_also_in_the_next_daemon)
+CASE_DAEMON(turning__ends_where_its_joints_end_also_in_the_next_daemon, "--supervise",
+            "--threads", "1")
 {
-    const char *const options[] = {"--supervise", "--threads", "1", NULL};
     struct hall hall = {.client = NULL};
-    struct test_daemon daemon;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     double probe[2][3][3] = {
         {{-0.5, -0.25, 0.5}, {-0.5, -0.5, 0.5}, {-0.25, -0.375, 0.75}}};
 
-    assert_true(test_daemon_start(&daemon, options));
-    hall.client = test_client_at(daemon.url);
+    hall.client = test_client_at(test_own.url);
     make(&hall);
     hinge(&hall, -PI / 2);
     assert_ok(turn(&hall, DEFAULTS, &answer));
@@ -198,8 +196,7 @@ CASE(turning__ends_where_its_joints_end_also_in_the_next_daemon)
     assert_true(answer.counts[PCCD_VF] == 3 && fabs(answer.toi_first - 0.25) < 1e-5);
     pccd_answer_release(hall.client, &answer);
     pccd_close(hall.client);
-    (void)test_daemon_end(&daemon, SIGTERM, 10000);
-    assert_true(test_daemon_finish(&daemon));
+    (void)test_daemon_end(&test_own, SIGTERM, 10000);
 }
 
 /* If this failed, a session whose bodies turn could not be repeated, or be read by a
@@ -262,16 +259,13 @@ static double first_angle(struct hall *hall)
 
 /* If this failed, a part that may touch another one would jam before it does, or one that
  * must not come near would; or the next daemon would not know of that. */
-CASE(turning__knows_the_clearance_of_two_objects)
+CASE_DAEMON(turning__knows_the_clearance_of_two_objects, "--supervise", "--threads", "1")
 {
-    const char *const options[] = {"--supervise", "--threads", "1", NULL};
     const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS, .radius = 0.1};
     const double near = ANGLE - asin(0.04 / 0.5);
     struct hall hall = {.client = NULL};
-    struct test_daemon daemon;
 
-    assert_true(test_daemon_start(&daemon, options));
-    hall.client = test_client_at(daemon.url);
+    hall.client = test_client_at(test_own.url);
     make(&hall);
     assert_ok(pccd_object_set(hall.client, hall.scene, hall.door, &thick));
     assert_true(fabs(first_angle(&hall) - (ANGLE - asin(0.2))) < 1e-5);
@@ -295,8 +289,7 @@ CASE(turning__knows_the_clearance_of_two_objects)
     assert_ok(pccd_pair_ignore(hall.client, hall.scene, hall.door, hall.post, false));
     assert_true(fabs(first_angle(&hall) - (ANGLE - asin(0.2))) < 1e-5);
     pccd_close(hall.client);
-    (void)test_daemon_end(&daemon, SIGTERM, 10000);
-    assert_true(test_daemon_finish(&daemon));
+    (void)test_daemon_end(&test_own, SIGTERM, 10000);
 }
 
 /* If this failed, a part that turns could not be taken as far as it is free; or would be
@@ -525,282 +518,79 @@ CASE(turning__mistakes_in_a_frame_are_named)
 #define TABLE  (8u + 2 * 136u)
 #define SECOND (FIRST + TABLE)
 
+#define TURN                                                                             \
+    {                                                                                    \
+        1, 0, 1, 1, 1                                                                    \
+    }
+#define RIGHT                                                                            \
+    {                                                                                    \
+        1, 3, 1, 1, 3, FIRST, 0                                                          \
+    }
+#define STRAIGHT                                                                         \
+    {                                                                                    \
+        1, 0, 1, 0, 3, 0, 4096                                                           \
+    }
+#define WRONG PCCD_E_SEGMENT
+
 static const struct lie {
     const char *what;
-    uint32_t count, zero; /* of the first table; its second joint: */
-    uint32_t kind, parent;
-    double w, axis, to;
+    uint32_t count, zero; /* of the first table */
+    struct {
+        uint32_t kind, parent;
+        double w, axis, to;
+    } joint;                          /* its second one */
     struct proto_segment segments[2]; /* of object 1, or none */
     int code;
 } lies[] = {
-    {"nothing", 2, 0, 1, 0, 1, 1, 1, {{1, 3, 1, 1, 3, FIRST, 0}}, 0},
-    {"no joints", 0, 0, 1, 0, 1, 1, 1, {{1, 3, 1, 0, 3, FIRST, 0}}, PCCD_E_SEGMENT},
-    {"a word that is not 0",
-     2,
-     1,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"too many", 65537, 0, 1, 0, 1, 1, 1, {{1, 3, 1, 1, 3, FIRST, 0}}, PCCD_E_SEGMENT},
-    {"more than the slot has",
-     482,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"2^32-1 joints",
-     UINT32_MAX,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"a table behind the slot",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, SLOT, 0}},
-     PCCD_E_SEGMENT},
-    {"a table in the table",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, 24, 0}},
-     PCCD_E_SEGMENT},
-    {"half a head in the slot",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, SLOT - 4, 0}},
-     PCCD_E_SEGMENT},
-    {"a misaligned table",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST + 4, 0}},
-     PCCD_E_SEGMENT},
-    {"an offset that overflows",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, UINT64_MAX - 7, 0}},
-     PCCD_E_SEGMENT},
-    {"a second offset",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, FIRST}},
-     PCCD_E_SEGMENT},
-    {"floats", 2, 0, 1, 0, 1, 1, 1, {{1, 3, 0, 1, 3, FIRST, 0}}, PCCD_E_SEGMENT},
-    {"a joint that is not there",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 2, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"a joint far away",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, UINT32_MAX, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"some of the vertices",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 2, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"more vertices than there are",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 4, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"no vertices", 2, 0, 1, 0, 1, 1, 1, {{1, 3, 1, 1, 0, FIRST, 0}}, PCCD_E_SEGMENT},
-    {"no object", 2, 0, 1, 0, 1, 1, 1, {{0, 3, 1, 1, 3, FIRST, 0}}, PCCD_E_HANDLE},
-    {"an unknown kind of joint",
-     2,
-     0,
-     5,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"its own parent", 2, 0, 1, 1, 1, 1, 1, {{1, 3, 1, 1, 3, FIRST, 0}}, PCCD_E_SEGMENT},
+    {"nothing", 2, 0, TURN, {RIGHT}, 0},
+    {"no joints", 0, 0, TURN, {{1, 3, 1, 0, 3, FIRST, 0}}, WRONG},
+    {"a word that is not 0", 2, 1, TURN, {RIGHT}, WRONG},
+    {"too many", 65537, 0, TURN, {RIGHT}, WRONG},
+    {"more than the slot has", 482, 0, TURN, {RIGHT}, WRONG},
+    {"2^32-1 joints", UINT32_MAX, 0, TURN, {RIGHT}, WRONG},
+    {"a table behind the slot", 2, 0, TURN, {{1, 3, 1, 1, 3, SLOT, 0}}, WRONG},
+    {"a table in the table", 2, 0, TURN, {{1, 3, 1, 1, 3, 24, 0}}, WRONG},
+    {"half a head in the slot", 2, 0, TURN, {{1, 3, 1, 1, 3, SLOT - 4, 0}}, WRONG},
+    {"a misaligned table", 2, 0, TURN, {{1, 3, 1, 1, 3, FIRST + 4, 0}}, WRONG},
+    {"an offset that overflows", 2, 0, TURN, {{1, 3, 1, 1, 3, UINT64_MAX - 7, 0}}, WRONG},
+    {"a second offset", 2, 0, TURN, {{1, 3, 1, 1, 3, FIRST, FIRST}}, WRONG},
+    {"floats", 2, 0, TURN, {{1, 3, 0, 1, 3, FIRST, 0}}, WRONG},
+    {"a joint that is not there", 2, 0, TURN, {{1, 3, 1, 2, 3, FIRST, 0}}, WRONG},
+    {"a joint far away", 2, 0, TURN, {{1, 3, 1, UINT32_MAX, 3, FIRST, 0}}, WRONG},
+    {"some of the vertices", 2, 0, TURN, {{1, 3, 1, 1, 2, FIRST, 0}}, WRONG},
+    {"more vertices than there are", 2, 0, TURN, {{1, 3, 1, 1, 4, FIRST, 0}}, WRONG},
+    {"no vertices", 2, 0, TURN, {{1, 3, 1, 1, 0, FIRST, 0}}, WRONG},
+    {"no object", 2, 0, TURN, {{0, 3, 1, 1, 3, FIRST, 0}}, PCCD_E_HANDLE},
+    {"an unknown kind of joint", 2, 0, {5, 0, 1, 1, 1}, {RIGHT}, WRONG},
+    {"its own parent", 2, 0, {1, 1, 1, 1, 1}, {RIGHT}, WRONG},
     {"a parent after its child",
      2,
      0,
-     1,
-     2,
-     1,
-     1,
-     1,
+     {1, 2, 1, 1, 1},
      {{1, 3, 1, 0, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"a quaternion of 0",
-     2,
-     0,
-     1,
-     0,
-     0,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"a quaternion that is no number",
-     2,
-     0,
-     1,
-     0,
-     NAN,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"an axis of 0", 2, 0, 1, 0, 1, 0, 1, {{1, 3, 1, 1, 3, FIRST, 0}}, PCCD_E_SEGMENT},
-    {"an axis where none belongs",
-     2,
-     0,
-     3,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"an infinite value",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     INFINITY,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"2^20 turns and more",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     6588398,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"a slide beyond 1e18",
-     2,
-     0,
-     2,
-     0,
-     1,
-     1,
-     9e17,
-     {{1, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_NOTFINITE},
-    {"an object twice",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}, {1, 3, 1, 0, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
-    {"an object that turns and goes straight",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}, {1, 0, 1, 0, 3, 0, 4096}},
-     PCCD_E_SEGMENT},
+     WRONG},
+    {"a quaternion of 0", 2, 0, {1, 0, 0, 1, 1}, {RIGHT}, WRONG},
+    {"a quaternion that is no number", 2, 0, {1, 0, NAN, 1, 1}, {RIGHT}, WRONG},
+    {"an axis of 0", 2, 0, {1, 0, 1, 0, 1}, {RIGHT}, WRONG},
+    {"an axis where none belongs", 2, 0, {3, 0, 1, 1, 1}, {RIGHT}, WRONG},
+    {"an infinite value", 2, 0, {1, 0, 1, 1, INFINITY}, {RIGHT}, WRONG},
+    {"2^20 turns and more", 2, 0, {1, 0, 1, 1, 6588398}, {RIGHT}, WRONG},
+    {"a slide beyond 1e18", 2, 0, {2, 0, 1, 1, 9e17}, {RIGHT}, PCCD_E_NOTFINITE},
+    {"an object twice", 2, 0, TURN, {RIGHT, {1, 3, 1, 0, 3, FIRST, 0}}, WRONG},
+    {"an object that turns and goes straight", 2, 0, TURN, {RIGHT, STRAIGHT}, WRONG},
     {"a table before the last one",
      2,
      0,
-     1,
-     0,
-     1,
-     1,
-     1,
+     TURN,
      {{1, 3, 1, 1, 3, SECOND, 0}, {2, 3, 1, 1, 3, FIRST, 0}},
-     PCCD_E_SEGMENT},
+     WRONG},
     {"a table within the last one",
      2,
      0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}, {2, 3, 1, 1, 3, FIRST + 136, 0}},
-     PCCD_E_SEGMENT},
-    {"two tables",
-     2,
-     0,
-     1,
-     0,
-     1,
-     1,
-     1,
-     {{1, 3, 1, 1, 3, FIRST, 0}, {2, 3, 1, 1, 3, SECOND, 0}},
-     0},
+     TURN,
+     {RIGHT, {2, 3, 1, 1, 3, FIRST + 136, 0}},
+     WRONG},
+    {"two tables", 2, 0, TURN, {RIGHT, {2, 3, 1, 1, 3, SECOND, 0}}, 0},
 };
 
 static int submit_lie(struct test_raw *raw, uint32_t scene, const uint32_t objects[2],
@@ -809,14 +599,14 @@ static int submit_lie(struct test_raw *raw, uint32_t scene, const uint32_t objec
     struct proto_FRAME_SUBMIT_request request = {.scene = scene, .segments = 1};
     struct proto_FRAME_SUBMIT_result result;
     struct pccd_joint joints[2] = {{.parent = PCCD_NO_JOINT, .rotation = {0, 0, 0, 1}},
-                                   {.kind = lie->kind,
-                                    .parent = lie->parent,
-                                    .rotation = {0, 0, 0, lie->w},
-                                    .axis = {lie->axis},
-                                    .to = {lie->to}}};
+                                   {.kind = lie->joint.kind,
+                                    .parent = lie->joint.parent,
+                                    .rotation = {0, 0, 0, lie->joint.w},
+                                    .axis = {lie->joint.axis},
+                                    .to = {lie->joint.to}}};
     uint8_t *payload = test_raw_payload(raw, 0);
 
-    joints[0].position[0] = lie->to > 1e17 && lie->to < 1e18 ? 5e17 : 0;
+    joints[0].position[0] = lie->joint.to > 1e17 && lie->joint.to < 1e18 ? 5e17 : 0;
     memset(payload, 0, SLOT);
     for (uint32_t table = FIRST; table <= SECOND; table += TABLE) {
         const struct proto_joints head = {table == FIRST ? lie->count : 2,
@@ -841,29 +631,22 @@ static int submit_lie(struct test_raw *raw, uint32_t scene, const uint32_t objec
 CASE(turning__tables_that_lie_are_refused_one_by_one)
 {
     const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
     struct test_raw raw;
-    uint32_t objects[2];
+    uint32_t scene, mesh, objects[2];
 
     assert_ok(test_raw_session(&raw, test_shared.socket, 2, SLOT));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
-    assert_ok(test_raw_mesh(&raw, x, 3, post_face, 1, &add.mesh));
-    add.scene = created.scene;
-    for (int i = 0; i < 2; i++) {
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-        objects[i] = added.object;
-    }
+    assert_ok(test_raw_scene(&raw, "", &scene));
+    assert_ok(test_raw_mesh(&raw, x, 3, post_face, 1, &mesh));
+    assert_ok(test_raw_add(&raw, scene, mesh, &objects[0]));
+    assert_ok(test_raw_add(&raw, scene, mesh, &objects[1]));
     for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
-        int status = submit_lie(&raw, created.scene, objects, &lies[i]);
+        int status = submit_lie(&raw, scene, objects, &lies[i]);
 
         if (status != lies[i].code || raw.error.fatal) {
             fail_msg("%s: status %d \"%s\"", lies[i].what, status, raw.error.text);
         }
     }
-    assert_int_equal(submit_lie(&raw, created.scene, objects, &lies[0]), 0);
+    assert_int_equal(submit_lie(&raw, scene, objects, &lies[0]), 0);
     test_raw_close(&raw);
 }
 
@@ -889,22 +672,18 @@ CASE(turning__scenes_of_a_batch_share_no_table)
     };
     const struct pccd_joint joint = {.parent = PCCD_NO_JOINT, .rotation = {0, 0, 0, 1}};
     const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
+    uint32_t scene, mesh, object;
     struct proto_batch_scene scenes[2];
     struct proto_segment segments[2];
     struct test_raw raw;
 
     assert_ok(test_raw_session(&raw, test_shared.socket, 2, SLOT));
-    assert_ok(test_raw_mesh(&raw, x, 3, post_face, 1, &add.mesh));
+    assert_ok(test_raw_mesh(&raw, x, 3, post_face, 1, &mesh));
     for (int i = 0; i < 2; i++) {
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created));
-        add.scene = created.scene;
-        assert_ok(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &added));
-        scenes[i] = (struct proto_batch_scene){created.scene, 1};
-        segments[i] = (struct proto_segment){.object = added.object,
+        assert_ok(test_raw_scene(&raw, "", &scene));
+        assert_ok(test_raw_add(&raw, scene, mesh, &object));
+        scenes[i] = (struct proto_batch_scene){scene, 1};
+        segments[i] = (struct proto_segment){.object = object,
                                              .kind = PROTO_SEGMENT_TURNING,
                                              .format = PCCD_FORMAT_F64,
                                              .first = 1,
@@ -932,9 +711,9 @@ CASE(turning__scenes_of_a_batch_share_no_table)
         }
         memcpy(payload, scenes, sizeof scenes);
         memcpy(payload + sizeof scenes, segments, sizeof segments);
-        const struct proto_BATCH_SUBMIT_request batch = {
-            .seq = test_raw_publish(&raw, 0), .scenes = 2, .segments = 2};
-        int status = test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &result);
+        int status =
+            RAW_CALL(&raw, BATCH_SUBMIT, &result, .seq = test_raw_publish(&raw, 0),
+                     .scenes = 2, .segments = 2);
         if (status != 0) {
             fail_msg("play %zu: status %d \"%s\"", n, status, raw.error.text);
         }

@@ -8,12 +8,10 @@
 #include "must.h"
 #include "reader.h"
 #include "record_hash.h"
+#include "recording.h"
 #include "run_ctl.h"
 
 #define STEPS 6u
-
-static char folder[] = "/tmp/pccd-test-verify-XXXXXX";
-static char honest[96], forged[96];
 
 static int set_up(void **state)
 {
@@ -21,16 +19,10 @@ static int set_up(void **state)
     struct pccd_client *client = NULL;
     struct test_grid grid;
 
-    if (mkdtemp(folder) == NULL) {
-        return -1;
-    }
-    (void)snprintf(honest, sizeof honest, "%s/honest.rec", folder);
-    (void)snprintf(forged, sizeof forged, "%s/forged.rec", folder);
-    if (test_shared_connect(state, 0, &client) != 0 ||
-        pccd_record_start(client, honest, &settings) != 0 ||
-        test_grid_make(client, 8, &grid) != 0) {
-        return -1;
-    }
+    assert_true(test_recording_begin());
+    assert_ok(test_shared_connect(state, 0, &client));
+    assert_ok(pccd_record_start(client, test_recording, &settings));
+    assert_ok(test_grid_make(client, 8, &grid));
     for (uint32_t i = 0; i < STEPS; i++) {
         const struct pccd_step_settings step_settings = {
             .struct_bytes = sizeof(struct pccd_step_settings),
@@ -38,23 +30,14 @@ static int set_up(void **state)
         struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
 
-        if (test_grid_submit(&grid, &step_settings, &step) != 0 ||
-            pccd_wait(client, step, -1, &answer) != 0 || answer.total == 0) {
-            return -1;
-        }
+        assert_ok(test_grid_submit(&grid, &step_settings, &step));
+        assert_ok(pccd_wait(client, step, -1, &answer));
+        assert_true(answer.total > 0);
         pccd_answer_release(client, &answer);
     }
     test_grid_free(&grid);
     pccd_close(client);
     return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)unlink(honest);
-    (void)unlink(forged);
-    (void)rmdir(folder);
-    return test_shared_stop(state);
 }
 
 /* ---- forging ----------------------------------------------------------------------- */
@@ -278,16 +261,15 @@ static void forge_records(struct forger *forger, const struct record_view *view)
 /* Every end position of the frame mirrored: nothing goes through the floor any more. */
 static void forge_frame(struct forger *forger, const struct record_view *view)
 {
-    uint8_t *copy = malloc(view->bytes);
+    uint8_t *copy = test_room(view->bytes);
     struct record_segment segment;
 
-    assert_non_null(copy);
     memcpy(copy, view->payload, view->bytes);
     if (is_per_pair(forger->forgery)) {
         struct record_frame frame;
         memcpy(&frame, copy, sizeof frame);
-        frame.mode = frame.mode == PCCD_MODE_ALL ? (uint32_t)PCCD_MODE_FIRST_PER_PAIR
-                                                 : frame.mode;
+        frame.mode =
+            frame.mode == PCCD_MODE_ALL ? (uint32_t)PCCD_MODE_FIRST_PER_PAIR : frame.mode;
         memcpy(copy, &frame, sizeof frame);
         forger->is_done = true;
     }
@@ -317,8 +299,8 @@ static void forge_of(const char *source, enum forgery forgery)
     struct record_view view;
     int got;
 
-    (void)unlink(forged);
-    assert_ok(record_writer_open(&forger.writer, forged));
+    (void)unlink(test_forged);
+    assert_ok(record_writer_open(&forger.writer, test_forged));
     assert_ok(record_reader_open(&reader, source));
     assert_int_equal(record_reader_hash_version(&reader), 2);
     if (forgery != FORGE_OLD_HASH && forgery != FORGE_OLD_WRONG) {
@@ -365,30 +347,25 @@ static void forge_of(const char *source, enum forgery forgery)
 
 static void forge(enum forgery forgery)
 {
-    forge_of(honest, forgery);
+    forge_of(test_recording, forgery);
 }
 
 /* ---- judging ----------------------------------------------------------------------- */
 
-static int run_ctl(const char *command, const char *options, const char *file,
-                   char said[4096])
-{
-    return test_ctl(command, options, file, said, 4096);
-}
+/* pccdctl COMMAND OPTIONS, of what was recorded or of the forged copy, ends so and says
+ * each of the texts. */
+#define HONEST(status, command, options, ...)                                            \
+    test_ctl_says(status, command, options, test_recording, __VA_ARGS__, NULL)
+#define FORGED(status, command, options, ...)                                            \
+    test_ctl_says(status, command, options, test_forged, __VA_ARGS__, NULL)
 
 /* If this failed, right answers would be called wrong, or nothing would be checked. */
 CASE(verify__passes_what_is_right)
 {
-    char said[4096];
-
     forge(FORGE_NOTHING);
-    assert_int_equal(run_ctl("verify", "", honest, said), 0);
-    assert_non_null(strstr(said, "PASS: 6 steps"));
-    assert_int_equal(run_ctl("verify", "--repeat --method paper", honest, said), 0);
-    assert_non_null(strstr(said, "PASS: 6 steps"));
-    assert_int_equal(run_ctl("verify", "--json --sample 100000 --seed 7", forged, said),
-                     0);
-    assert_non_null(strstr(said, "\"pass\": true"));
+    HONEST(0, "verify", "", "PASS: 6 steps");
+    HONEST(0, "verify", "--repeat --method paper", "PASS: 6 steps");
+    FORGED(0, "verify", "--json --sample 100000 --seed 7", "\"pass\": true");
 }
 
 /* Record one step of one object from where it is registered to x1, with one contact of
@@ -401,11 +378,10 @@ static void pass_contact(void **state, const struct pccd_mesh_data *data, double
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_client *client = NULL;
     uint32_t mesh = 0, scene = 0, object = 0;
-    char said[4096];
 
-    assert_int_equal(test_shared_connect(state, 0, &client), 0);
-    (void)unlink(forged);
-    assert_ok(pccd_record_start(client, forged, NULL));
+    assert_ok(test_shared_connect(state, 0, &client));
+    (void)unlink(test_forged);
+    assert_ok(pccd_record_start(client, test_forged, NULL));
     assert_ok(pccd_mesh_put(client, data, &mesh, NULL));
     scene = test_scene(client);
     object = test_object(client, scene, mesh);
@@ -415,8 +391,7 @@ static void pass_contact(void **state, const struct pccd_mesh_data *data, double
     assert_int_equal(answer.total, 1);
     assert_int_equal(answer.counts[kind], 1);
     pccd_close(client);
-    assert_int_equal(run_ctl("verify", "", forged, said), 0);
-    assert_non_null(strstr(said, "PASS: 1 step, 1 contact "));
+    FORGED(0, "verify", "", "PASS: 1 step, 1 contact ");
 }
 
 /* If this failed, a vertex that nothing uses, beside a point with a thickness, would be
@@ -468,36 +443,22 @@ CASE(verify__shows_what_is_wrong)
         [FORGE_MOTION] = "there is none",
         [FORGE_MASK] = "the record's objects may not meet each other",
         [FORGE_PAIR] = "the record's objects may not meet each other"};
-    char said[4096];
 
     for (enum forgery forgery = FORGE_NOTHING + 1; forgery < FORGE_COUNT; forgery++) {
-        int status;
-
         forge(forgery);
-        status = run_ctl("verify", "--sample 100000", forged, said);
-        if (status != 1 || strstr(said, says[forgery]) == NULL) {
-            print_message("forgery %d: %s\n", (int)forgery, said);
-        }
-        assert_int_equal(status, 1);
-        assert_non_null(strstr(said, "FAIL: step"));
-        assert_non_null(strstr(said, says[forgery]));
+        FORGED(1, "verify", "--sample 100000", "FAIL: step", says[forgery]);
     }
 }
 
 /* If this failed, a body could be told to meet another later than it does, or twice. */
 CASE(verify__knows_the_first_contact_of_two_objects)
 {
-    char said[4096];
-
     forge(FORGE_PER_PAIR_FIRST);
-    assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 0);
-    assert_non_null(strstr(said, "PASS: 6 steps"));
+    FORGED(0, "verify", "--sample 100000", "PASS: 6 steps");
     forge(FORGE_PER_PAIR_LATEST);
-    assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 1);
-    assert_non_null(strstr(said, "a contact is missing in the answer"));
+    FORGED(1, "verify", "--sample 100000", "a contact is missing in the answer");
     forge(FORGE_PER_PAIR);
-    assert_int_equal(run_ctl("verify", "", forged, said), 1);
-    assert_non_null(strstr(said, "two records are of the same two objects"));
+    FORGED(1, "verify", "", "two records are of the same two objects");
 }
 
 /* Record one step of a triangle that lies in a floor, front to front, and goes up or
@@ -512,7 +473,6 @@ static void record_touch(void **state, const char *path, bool is_up,
     struct pccd_step_settings step = PCCD_STEP_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_client *client = NULL;
-    uint32_t mesh = 0, scene = 0, object = 0;
     double x1[6][3];
 
     memcpy(x1, x0, sizeof x1);
@@ -520,13 +480,12 @@ static void record_touch(void **state, const char *path, bool is_up,
         x1[i][2] = is_up ? 1 : -1;
     }
     step.touching = touching;
-    assert_int_equal(test_shared_connect(state, 0, &client), 0);
+    assert_ok(test_shared_connect(state, 0, &client));
     (void)unlink(path);
     assert_ok(pccd_record_start(client, path, &settings));
-    assert_ok(
-        pccd_mesh_create(client, x0, PCCD_FORMAT_F64, 6, triangles, 2, &mesh, NULL));
-    scene = test_scene(client);
-    object = test_object(client, scene, mesh);
+    uint32_t mesh = test_mesh(client, x0, PCCD_FORMAT_F64, 6, triangles, 2);
+    uint32_t scene = test_scene(client);
+    uint32_t object = test_object(client, scene, mesh);
     assert_ok(pccd_step_x0x1(client, scene, object, x0, x1, PCCD_FORMAT_F64, 6, &step,
                              &answer));
     assert_int_equal(answer.total, is_up && touching == PCCD_TOUCHING_LEFT_OUT ? 0 : 3);
@@ -538,96 +497,68 @@ static void record_touch(void **state, const char *path, bool is_up,
  * so of what leaves. */
 CASE(verify__knows_what_becomes_of_what_touches)
 {
-    char said[4096], source[128];
+    char source[128];
 
-    (void)snprintf(source, sizeof source, "%s/touch.rec", folder);
+    (void)snprintf(source, sizeof source, "%s.touch", test_recording);
     for (int is_up = 0; is_up < 2; is_up++) {
         for (int told = 0; told < 2; told++) {
             record_touch(state, source, is_up != 0,
                          told ? PCCD_TOUCHING_TOLD : PCCD_TOUCHING_LEFT_OUT);
-            assert_int_equal(run_ctl("verify", "--sample 1000", source, said), 0);
-            assert_non_null(strstr(said, "PASS: 1 step"));
+            test_ctl_says(0, "verify", "--sample 1000", source, "PASS: 1 step", NULL);
             if (is_up && !told) {
                 continue; /* it has no record */
             }
             forge_of(source, FORGE_FATE);
-            assert_int_equal(run_ctl("verify", "", forged, said), 1);
-            assert_non_null(strstr(said, "enter, slide or leave otherwise"));
+            FORGED(1, "verify", "", "enter, slide or leave otherwise");
             forge_of(source, FORGE_MISSING);
-            assert_int_equal(run_ctl("verify", "--sample 1000", forged, said), 1);
-            assert_non_null(strstr(said, "a contact is missing"));
+            FORGED(1, "verify", "--sample 1000", "a contact is missing");
         }
     }
-    (void)unlink(source);
 }
 
 /* If this failed, the witness could not be tried by somebody else. */
 CASE(verify__names_the_features_and_where_they_are)
 {
-    char said[4096];
-
     forge(FORGE_MISSING);
-    assert_int_equal(run_ctl("verify", "--sample 100000", forged, said), 1);
-    assert_non_null(strstr(said, "exact:   first contact in [0x"));
-    assert_non_null(strstr(said, "at t = 0: "));
-    assert_non_null(strstr(said, "at t = 1: "));
-    assert_int_equal(run_ctl("verify", "--json --sample 100000", forged, said), 1);
-    assert_non_null(strstr(said, "\"witness\": {"));
+    FORGED(1, "verify", "--sample 100000", "exact:   first contact in [0x",
+           "at t = 0: ", "at t = 1: ");
+    FORGED(1, "verify", "--json --sample 100000", "\"witness\": {");
 }
 
 /* If this failed, a daemon that answers otherwise than one before would not be
  * noticed. */
 CASE(replay__shows_the_first_difference)
 {
-    char said[4096];
-
     forge(FORGE_HASH);
-    assert_int_equal(run_ctl("replay", "", forged, said), 1);
-    assert_non_null(strstr(said, "step 1 has another hash"));
-    assert_non_null(strstr(said, "expected"));
-    assert_int_equal(run_ctl("replay", "--keep-going --json", forged, said), 1);
-    assert_non_null(strstr(said, "\"differ\": 1"));
-    assert_non_null(strstr(said, "\"same\": 5"));
-    assert_int_equal(run_ctl("replay", "--steps 2..", forged, said), 0);
-    assert_int_equal(run_ctl("replay", "", honest, said), 0);
+    FORGED(1, "replay", "", "step 1 has another hash", "expected");
+    FORGED(1, "replay", "--keep-going --json", "\"differ\": 1", "\"same\": 5");
+    FORGED(0, "replay", "--steps 2..", "");
+    HONEST(0, "replay", "", "");
 }
 
 /* If this failed, recordings of before would be called wrong, because their hashes were
  * computed in another way; or a wrong one right. */
 CASE(replay__and_verify_check_old_recordings_by_version_1)
 {
-    char said[4096];
-
     forge(FORGE_OLD_HASH);
-    assert_int_equal(run_ctl("replay", "", forged, said), 0);
-    assert_non_null(strstr(said, "6 the same, 0 not"));
-    assert_int_equal(run_ctl("verify", "", forged, said), 0);
-    assert_non_null(strstr(said, "PASS: 6 steps"));
-    assert_int_equal(run_ctl("verify", "--repeat", forged, said), 0);
-    assert_non_null(strstr(said, "PASS: 6 steps"));
+    FORGED(0, "replay", "", "6 the same, 0 not");
+    FORGED(0, "verify", "", "PASS: 6 steps");
+    FORGED(0, "verify", "--repeat", "PASS: 6 steps");
     forge(FORGE_OLD_WRONG);
-    assert_int_equal(run_ctl("replay", "--keep-going", forged, said), 1);
-    assert_non_null(strstr(said, "5 the same, 1 not"));
-    assert_non_null(strstr(said, "has another hash"));
-    assert_non_null(strstr(said, "  expected  1:"));
-    assert_non_null(strstr(said, "  got       1:"));
-    assert_int_equal(run_ctl("verify", "", forged, said), 1);
-    assert_non_null(
-        strstr(said, "the recorded hash is not that of the recorded records"));
+    FORGED(1, "replay", "--keep-going", "5 the same, 1 not", "has another hash",
+           "  expected  1:", "  got       1:");
+    FORGED(1, "verify", "", "the recorded hash is not that of the recorded records");
 }
 
 /* If this failed, a recording that this program would misread would be called wrong, or
  * right, in the place of newer. */
 CASE(replay__names_a_feature_that_it_does_not_know)
 {
-    static const char *const commands[] = {"replay", "verify"};
-    char said[4096];
-
     forge(FORGE_UNKNOWN);
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
-        assert_int_not_equal(run_ctl(commands[i], "", forged, said), 0);
-        assert_non_null(strstr(said, "it needs feature 20, which this program does not"));
-        assert_non_null(strstr(said, "pccd 0.1.0, which wrote it, does"));
+    for (int i = 0; i < 2; i++) {
+        FORGED(4, i == 0 ? "replay" : "verify", "",
+               "it needs feature 20, which this program does not",
+               "pccd 0.1.0, which wrote it, does");
     }
 }
 
@@ -637,7 +568,7 @@ CASE(replay__shows_what_a_recording_says_as_text)
     char said[4096];
 
     forge(FORGE_NAMES);
-    assert_int_equal(run_ctl("replay", "", forged, said), 0);
+    assert_ok(test_ctl("replay", "", test_forged, said, sizeof said));
     assert_non_null(strstr(said, "libpccd \\x1b[2J\\x9b\\x07"));
     assert_non_null(strstr(said, ", \\x1b\\x1b"));
     assert_null(strchr(said, '\033'));
@@ -648,18 +579,12 @@ CASE(replay__shows_what_a_recording_says_as_text)
  * right daemon look wrong, or nothing in mode pairs would be compared any more. */
 CASE(replay__knows_by_which_rule_pairs_were_recorded)
 {
-    char said[4096];
-
     forge(FORGE_PAIRS);
-    assert_int_equal(run_ctl("replay", "--keep-going --json", forged, said), 1);
-    assert_non_null(strstr(said, "\"differ\": 1"));
+    FORGED(1, "replay", "--keep-going --json", "\"differ\": 1");
     forge(FORGE_OLD_PAIRS);
-    assert_int_equal(run_ctl("replay", "--json", forged, said), 0);
-    assert_non_null(strstr(said, "\"other_pairs\": 3"));
-    assert_non_null(strstr(said, "\"same\": 3"));
-    assert_int_equal(run_ctl("replay", "", forged, said), 0);
-    assert_non_null(strstr(said, "3 in mode pairs, recorded when it compared boxes"));
-    assert_int_equal(run_ctl("verify", "--repeat", forged, said), 0);
+    FORGED(0, "replay", "--json", "\"other_pairs\": 3", "\"same\": 3");
+    FORGED(0, "replay", "", "3 in mode pairs, recorded when it compared boxes");
+    FORGED(0, "verify", "--repeat", "");
 }
 
-CASES_WITH(set_up, tear_down);
+CASES_WITH(set_up, test_recording_stop);

@@ -2,17 +2,13 @@
  * pccdctl verify finds that. */
 #include "cases.h"
 
-#include <unistd.h>
-
 #include "fixture.h"
 #include "forge.h"
 #include "grid.h"
 #include "must.h"
 #include "record_hash.h"
+#include "recording.h"
 #include "run_ctl.h"
-
-static char folder[] = "/tmp/pccd-test-fields-XXXXXX";
-static char forged[96];
 
 /* ---- the tables -------------------------------------------------------------------- */
 
@@ -165,15 +161,13 @@ struct stage {
     uint32_t scene, floor, needle;
 };
 
-static void begin(void **state, struct stage *stage, const char *name, char path[96],
-                  uint64_t result_bytes)
+static void begin(void **state, struct stage *stage)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     uint32_t mesh[2];
-    (void)snprintf(path, 96, "%s/%s.rec", folder, name);
-    (void)unlink(path);
-    assert_int_equal(test_shared_connect(state, result_bytes, &stage->client), 0);
-    assert_ok(pccd_record_start(stage->client, path, &settings));
+    test_recording_clear();
+    assert_ok(test_shared_connect(state, 0, &stage->client));
+    assert_ok(pccd_record_start(stage->client, test_recording, &settings));
     stage->scene = test_scene(stage->client);
     mesh[0] = test_mesh(stage->client, floor_x, PCCD_FORMAT_F64, 3, face, 1);
     mesh[1] = test_mesh(stage->client, above, PCCD_FORMAT_F64, 3, face, 1);
@@ -315,19 +309,20 @@ static void mend(const struct first *first, struct change *change)
 
 /* ---- judging ----------------------------------------------------------------------- */
 
-static uint32_t missed; /* changes that were not found */
+static uint32_t missed;    /* changes that were not found */
+static const char *played; /* what is recorded */
 
 /* Files whose records are too many to be looked at again and again: some of them. */
 static const char *options = "";
 
-static void judge(const char *path, const char *of, const struct field *field,
-                  size_t element, struct change *change)
+static void judge(const char *of, const struct field *field, size_t element,
+                  struct change *change)
 {
     char said[8192], line[64];
-    forge_recording(path, forged, apply, change);
+    forge_recording(test_recording, test_forged, apply, change);
     assert_true(change->seen >= change->number);
     (void)snprintf(line, sizeof line, "--sample 50 %s", options);
-    int status = test_ctl("verify", line, forged, said, sizeof said);
+    int status = test_ctl("verify", line, test_forged, said, sizeof said);
     bool is_told = status == 1 || status == 4 ||
                    strstr(said, "not checked: step 1: ") != NULL ||
                    strstr(said, "not checked: question 1: ") != NULL;
@@ -336,8 +331,8 @@ static void judge(const char *path, const char *of, const struct field *field,
                     : field->fate == TOLD   ? is_told
                                             : status == 1 || status == 4;
     if (!is_right || (status == 1 && strstr(said, "FAIL: ") == NULL)) {
-        print_message("%s, %s: %s[%zu]: %d, %s\n", path, of, field->name, element, status,
-                      said);
+        print_message("%s, %s: %s[%zu]: %d, %s\n", played, of, field->name, element,
+                      status, said);
         missed++;
     }
 }
@@ -383,9 +378,8 @@ static uint32_t other_values(const struct field *field, const uint8_t *is,
 }
 
 /* Each field of a table, of one chunk at `at` of its payload, which is `is`. */
-static void change_each(const char *path, const char *of, const struct table *table,
-                        uint16_t kind, size_t at, const uint8_t *is, struct first *first,
-                        const char *but)
+static void change_each(const char *of, const struct table *table, uint16_t kind,
+                        size_t at, const uint8_t *is, const struct first *first)
 {
     for (size_t i = 0; i < table->count; i++) {
         const struct field *field = &table->fields[i];
@@ -393,7 +387,7 @@ static void change_each(const char *path, const char *of, const struct table *ta
             uint8_t values[8][8];
             size_t place = field->at + e * field->each;
             uint32_t count = other_values(field, is + place, values);
-            for (uint32_t v = 0; v < count && strstr(but, field->name) == NULL; v++) {
+            for (uint32_t v = 0; v < count; v++) {
                 struct change change = {
                     .kind = kind, .number = 1, .at = at + place, .bytes = field->each};
                 if (field->fate == MEASURED && v > 0) {
@@ -401,47 +395,45 @@ static void change_each(const char *path, const char *of, const struct table *ta
                 }
                 memcpy(change.value, values[v], sizeof change.value);
                 if (first != NULL) {
-                    struct first *copy = malloc(sizeof *copy);
-                    assert_non_null(copy);
+                    struct first *copy = test_room(sizeof *copy);
                     *copy = *first;
                     memcpy(copy->head_and_records + at + place, values[v], field->each);
                     mend(copy, &change);
                     free(copy);
                 }
-                judge(path, of, field, e, &change);
+                judge(of, field, e, &change);
             }
         }
     }
 }
 
-/* Everything of the first answer of a file. `but`: names of fields of records of which
- * another value is right, too. */
-static void change_all(const char *path, const char *but)
+/* Everything of the first answer of the recording. */
+static void change_all(const char *name)
 {
-    struct first *first = calloc(1, sizeof *first);
+    struct first *first = test_room(sizeof *first);
     struct record_records head;
     char said[4096];
-    assert_non_null(first);
-    assert_int_equal(test_ctl("verify", options, path, said, sizeof said), 0);
+    played = name;
+    assert_ok(test_ctl("verify", options, test_recording, said, sizeof said));
     assert_non_null(strstr(said, "PASS"));
     assert_null(strstr(said, "not checked"));
-    assert_int_equal(test_ctl("verify --repeat", options, path, said, sizeof said), 0);
-    forge_recording(path, forged, note_first, first);
+    test_ctl_says(0, "verify --repeat", options, test_recording, NULL);
+    forge_recording(test_recording, test_forged, note_first, first);
     bool is_near = first->answer_kind == RECORD_NEAR_ANSWER;
-    change_each(path, "answer", is_near ? &near_answers : &answers, first->answer_kind, 0,
+    change_each("answer", is_near ? &near_answers : &answers, first->answer_kind, 0,
                 is_near ? (const uint8_t *)&first->near : (const uint8_t *)&first->answer,
-                NULL, "");
+                NULL);
     if (first->records_kind != 0) {
         memcpy(&head, first->head_and_records, sizeof head);
-        change_each(path, "head", &heads, first->records_kind, 0, first->head_and_records,
-                    NULL, "");
-        change_each(path, "record",
+        change_each("head", &heads, first->records_kind, 0, first->head_and_records,
+                    NULL);
+        change_each("record",
                     head.record_bytes == sizeof(struct pccd_near)
                         ? (is_near ? &nears : &contacts)
                     : head.record_bytes == sizeof(double) ? &bounds
                                                           : &pairs,
                     first->records_kind, sizeof head,
-                    first->head_and_records + sizeof head, first, but);
+                    first->head_and_records + sizeof head, first);
     }
     free(first);
 }
@@ -450,7 +442,6 @@ static void change_all(const char *path, const char *but)
 CASE(steps__have_no_number_that_is_not_judged)
 {
     static const char *const names[] = {"all", "first", "any", "pairs", "none", "thick"};
-    char path[96];
     for (uint32_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         const struct pccd_step_settings settings = {.struct_bytes = sizeof settings,
                                                     .mode = i < 4    ? (enum pccd_mode)i
@@ -459,11 +450,11 @@ CASE(steps__have_no_number_that_is_not_judged)
                                                     .separation = i == 5 ? .25 : 0};
         struct stage stage;
         bool is_empty = settings.mode == PCCD_MODE_ANY;
-        begin(state, &stage, names[i], path, 0);
+        begin(state, &stage);
         step(&stage, &settings, i == 4 ? lower : below, is_empty);
         step(&stage, &settings, i == 4 ? lower : below, is_empty);
         end(&stage);
-        change_all(path, "");
+        change_all(names[i]);
     }
     assert_int_equal(missed, 0);
 }
@@ -477,8 +468,7 @@ CASE(batches__have_no_number_that_is_not_judged)
     struct pccd_batch *batch = NULL;
     struct stage stage;
     const void *x0[1] = {above}, *x1[1] = {below};
-    char path[96];
-    begin(state, &stage, "batch", path, 0);
+    begin(state, &stage);
     part.scene = stage.scene;
     part.object = stage.needle;
     part.way = PCCD_BATCH_X0X1;
@@ -490,7 +480,7 @@ CASE(batches__have_no_number_that_is_not_judged)
     }
     pccd_batch_destroy(batch);
     end(&stage);
-    change_all(path, "");
+    change_all("batch");
     assert_int_equal(missed, 0);
 }
 
@@ -502,11 +492,10 @@ CASE(pages__have_no_number_that_is_not_judged)
     const struct field page = {"page", 0, 0, 1, TOLD, false};
     struct pccd_client *client = NULL;
     struct test_grid grid;
-    char path[96];
     uint32_t pages = 0;
-    (void)snprintf(path, sizeof path, "%s/pages.rec", folder);
-    assert_int_equal(test_shared_connect(state, 65536, &client), 0);
-    assert_ok(pccd_record_start(client, path, &settings));
+    test_recording_clear();
+    assert_ok(test_shared_connect(state, 65536, &client));
+    assert_ok(pccd_record_start(client, test_recording, &settings));
     assert_ok(test_grid_make(client, 40, &grid));
     for (int i = 0; i < 2; i++) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -524,18 +513,16 @@ CASE(pages__have_no_number_that_is_not_judged)
     test_grid_free(&grid);
     pccd_close(client);
     options = "--contacts 20";
-    struct first *first = calloc(1, sizeof *first);
-    char said[4096];
-    assert_non_null(first);
-    assert_int_equal(test_ctl("verify --repeat", options, path, said, sizeof said), 0);
-    forge_recording(path, forged, note_first, first);
-    change_each(path, "answer", &answers, RECORD_ANSWER, 0,
-                (const uint8_t *)&first->answer, NULL, "");
-    change_each(path, "head", &heads, RECORD_RECORDS, 0, first->head_and_records, NULL,
-                "");
+    played = "pages";
+    struct first *first = test_room(sizeof *first);
+    test_ctl_says(0, "verify --repeat", options, test_recording, NULL);
+    forge_recording(test_recording, test_forged, note_first, first);
+    change_each("answer", &answers, RECORD_ANSWER, 0, (const uint8_t *)&first->answer,
+                NULL);
+    change_each("head", &heads, RECORD_RECORDS, 0, first->head_and_records, NULL);
     for (uint32_t i = 1; i <= pages; i++) {
         struct change change = {.kind = RECORD_RECORDS, .number = i, .is_dropped = true};
-        judge(path, "page", &page, i, &change);
+        judge("page", &page, i, &change);
     }
     options = "";
     free(first);
@@ -563,12 +550,11 @@ static void change_questions(void **state, double radius)
                                         "n_cross", "n_depth",    "n_gap"};
     const struct pccd_object_settings thick = {
         .struct_bytes = sizeof thick, .what = PCCD_OBJECT_RADIUS, .radius = radius};
-    char path[96];
     for (uint32_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct stage stage;
         uint32_t scene, mesh;
         enum pccd_near_what what = i == 6 ? PCCD_NEAR_NEAREST : (enum pccd_near_what)i;
-        begin(state, &stage, names[i], path, 0);
+        begin(state, &stage);
         assert_ok(pccd_object_set(stage.client, stage.scene, stage.floor, &thick));
         assert_ok(pccd_object_set(stage.client, stage.scene, stage.needle, &thick));
         scene = stage.scene;
@@ -584,7 +570,7 @@ static void change_questions(void **state, double radius)
             ask(stage.client, scene, what, i == 6 ? .125 : 0);
         }
         end(&stage);
-        change_all(path, "");
+        change_all(names[i]);
     }
     assert_int_equal(missed, 0);
 }
@@ -602,20 +588,4 @@ CASE(thick_questions__have_no_number_that_is_not_judged)
     change_questions(state, .125);
 }
 
-static int set_up(void **state)
-{
-    if (mkdtemp(folder) == NULL) {
-        return -1;
-    }
-    (void)snprintf(forged, sizeof forged, "%s/forged.rec", folder);
-    return test_shared_start(state);
-}
-
-static int tear_down(void **state)
-{
-    char command[128];
-    (void)snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command) == 0 ? test_shared_stop(state) : -1;
-}
-
-CASES_WITH(set_up, tear_down);
+CASES_WITH(test_recording_start, test_recording_stop);

@@ -2,14 +2,11 @@
  * and replay find that. */
 #include "cases.h"
 
-#include <unistd.h>
-
 #include "fixture.h"
 #include "forge.h"
+#include "must.h"
+#include "recording.h"
 #include "run_ctl.h"
-
-static char folder[] = "/tmp/pccd-test-verify-near-XXXXXX";
-static char honest[96], forged[96];
 
 /* A floor, and a needle above it that goes down through it. */
 static const double floor_x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -21,47 +18,50 @@ static const double closed_x[2][4][3] = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0
                                          {{.5, .5, .5}, {5, 1, 1}, {1, 5, 1}, {1, 1, 5}}};
 static const uint32_t closed_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
-static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what what,
-               uint32_t end, const struct pccd_motion *motion)
+static void ask_with(struct pccd_client *client, uint32_t scene,
+                     const struct pccd_motion *motion,
+                     const struct pccd_near_settings *settings)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    assert_ok(
+        pccd_ask_near(client, scene, motion, motion != NULL ? 1 : 0, settings, &answer));
+    assert_true(answer.total > 0);
+    pccd_answer_release(client, &answer);
+}
+
+static void ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what what,
+                uint32_t end, const struct pccd_motion *motion)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings.what = what;
     settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1;
     settings.gap = what == PCCD_NEAR_NEAREST && end == 1 ? 0 : .125; /* else no use */
     settings.end = end;
     settings.tells_crossings = what == PCCD_NEAR_VERTICES;
-    int status = pccd_ask_near(client, scene, motion, motion != NULL, &settings, &answer);
-    pccd_answer_release(client, &answer);
-    return status == 0 && answer.total > 0 ? 0 : -1;
+    ask_with(client, scene, motion, &settings);
 }
 
 /* Ask what is asked of objects two by two. */
-static int ask_two(struct pccd_client *client)
+static void ask_two(struct pccd_client *client)
 {
-    uint32_t scene, mesh, object;
-    if (pccd_scene_create(client, NULL, &scene) != 0) {
-        return -1;
-    }
+    uint32_t scene = test_scene(client);
     for (int i = 0; i < 2; i++) {
-        if (pccd_mesh_create(client, closed_x[i], PCCD_FORMAT_F64, 4, closed_faces, 4,
-                             &mesh, NULL) != 0 ||
-            pccd_scene_add(client, scene, mesh, &object) != 0) {
-            return -1;
-        }
+        (void)test_object(
+            client, scene,
+            test_mesh(client, closed_x[i], PCCD_FORMAT_F64, 4, closed_faces, 4));
     }
-    return ask(client, scene, PCCD_NEAR_NEAREST, 1, NULL) != 0 ||
-                   ask(client, scene, PCCD_NEAR_NEAREST, 0, NULL) != 0 ||
-                   ask(client, scene, PCCD_NEAR_DEPTH, 1, NULL) != 0
-               ? -1
-               : 0;
+    ask(client, scene, PCCD_NEAR_NEAREST, 1, NULL);
+    ask(client, scene, PCCD_NEAR_NEAREST, 0, NULL);
+    ask(client, scene, PCCD_NEAR_DEPTH, 1, NULL);
 }
 
 /* Ask what is at most 3/10 beyond radii: pairs, closest features, and the nearest of the
  * first two objects. These are 1/2 apart, with radii that add up to 1/4; a third object
  * is both, and its parts are left thin. */
-static int ask_thick(struct pccd_client *client, const uint32_t mesh[2])
+static void ask_thick(struct pccd_client *client, const uint32_t mesh[2])
 {
+    static const enum pccd_near_what whats[4] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
+                                                 PCCD_NEAR_NEAREST, PCCD_NEAR_NEAREST};
     static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
     struct pccd_object_settings thick = {.struct_bytes = sizeof thick,
                                          .what = PCCD_OBJECT_RADIUS |
@@ -70,91 +70,59 @@ static int ask_thick(struct pccd_client *client, const uint32_t mesh[2])
                                          .rest_distance = .75};
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     double x[6][3];
-    uint32_t scene, both, object[3];
+    uint32_t object[3];
     memcpy(x, floor_x, sizeof floor_x);
     memcpy(x + 3, needle_x, sizeof needle_x);
     for (int i = 0; i < 6; i++) {
         x[i][0] += 100; /* far from the others */
     }
-    if (pccd_scene_create(client, NULL, &scene) != 0 ||
-        pccd_mesh_create(client, x, PCCD_FORMAT_F64, 6, faces, 2, &both, NULL) != 0 ||
-        pccd_scene_add(client, scene, mesh[0], &object[0]) != 0 ||
-        pccd_scene_add(client, scene, mesh[1], &object[1]) != 0 ||
-        pccd_scene_add(client, scene, both, &object[2]) != 0) {
-        return -1;
-    }
+    uint32_t both = test_mesh(client, x, PCCD_FORMAT_F64, 6, faces, 2);
+    uint32_t scene = test_scene(client);
     for (int i = 0; i < 3; i++) {
-        if (pccd_object_set(client, scene, object[i], &thick) != 0) {
-            return -1;
-        }
+        object[i] = test_object(client, scene, i < 2 ? mesh[i] : both);
+        assert_ok(pccd_object_set(client, scene, object[i], &thick));
     }
     settings.distance = .3;
     settings.object_a = object[0];
     settings.object_b = object[1];
     for (int i = 0; i < 4; i++) {
-        static const enum pccd_near_what whats[4] = {
-            PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES, PCCD_NEAR_NEAREST, PCCD_NEAR_NEAREST};
-        struct pccd_answer answer = PCCD_ANSWER_INIT;
         settings.what = whats[i];
         settings.gap = i == 3 ? .125 : 0;
-        if (pccd_ask_near(client, scene, NULL, 0, &settings, &answer) != 0 ||
-            answer.total != 1) {
-            return -1;
-        }
-        pccd_answer_release(client, &answer);
+        ask_with(client, scene, NULL, &settings);
     }
-    return 0;
 }
 
 static int set_up(void **state)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
     struct pccd_client *client = NULL;
-    uint32_t scene, mesh[2], object[2];
+    uint32_t mesh[2];
     double x1[3][3];
     struct pccd_motion motion = {.count = 3, .format = PCCD_FORMAT_F64, .x1 = x1};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-    if (mkdtemp(folder) == NULL) {
-        return -1;
-    }
-    (void)snprintf(honest, sizeof honest, "%s/honest.rec", folder);
-    (void)snprintf(forged, sizeof forged, "%s/forged.rec", folder);
-    if (test_shared_connect(state, 0, &client) != 0 ||
-        pccd_record_start(client, honest, &settings) != 0 ||
-        pccd_scene_create(client, NULL, &scene) != 0 ||
-        pccd_mesh_create(client, floor_x, PCCD_FORMAT_F64, 3, face, 1, &mesh[0], NULL) ||
-        pccd_mesh_create(client, needle_x, PCCD_FORMAT_F64, 3, face, 1, &mesh[1], NULL) ||
-        pccd_scene_add(client, scene, mesh[0], &object[0]) != 0 ||
-        pccd_scene_add(client, scene, mesh[1], &object[1]) != 0) {
-        return -1;
-    }
-    motion.object = object[1];
+    assert_true(test_recording_begin());
+    assert_ok(test_shared_connect(state, 0, &client));
+    assert_ok(pccd_record_start(client, test_recording, &settings));
+    uint32_t scene = test_scene(client);
+    mesh[0] = test_mesh(client, floor_x, PCCD_FORMAT_F64, 3, face, 1);
+    mesh[1] = test_mesh(client, needle_x, PCCD_FORMAT_F64, 3, face, 1);
+    (void)test_object(client, scene, mesh[0]);
+    motion.object = test_object(client, scene, mesh[1]);
     memcpy(x1, needle_x, sizeof x1);
     x1[0][2] = -.25; /* now it goes through the floor */
-    if (ask(client, scene, PCCD_NEAR_PAIRS, 1, NULL) != 0 ||
-        ask(client, scene, PCCD_NEAR_CROSSINGS, 1, &motion) != 0 ||
-        ask(client, scene, PCCD_NEAR_FEATURES, 0, NULL) != 0 ||
-        ask(client, scene, PCCD_NEAR_VERTICES, 1, NULL) != 0) {
-        return -1;
-    }
+    ask(client, scene, PCCD_NEAR_PAIRS, 1, NULL);
+    ask(client, scene, PCCD_NEAR_CROSSINGS, 1, &motion);
+    ask(client, scene, PCCD_NEAR_FEATURES, 0, NULL);
+    ask(client, scene, PCCD_NEAR_VERTICES, 1, NULL);
     x1[0][2] = .75;
-    if (ask(client, scene, PCCD_NEAR_PAIRS, 1, &motion) != 0 || ask_two(client) != 0 ||
-        ask_thick(client, mesh) != 0 ||
-        pccd_step(client, scene, NULL, 0, NULL, &answer) != 0) {
-        return -1;
-    }
+    ask(client, scene, PCCD_NEAR_PAIRS, 1, &motion);
+    ask_two(client);
+    ask_thick(client, mesh);
+    test_still(client, scene, NULL, &answer);
     pccd_answer_release(client, &answer);
     pccd_close(client);
     return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)unlink(honest);
-    (void)unlink(forged);
-    (void)rmdir(folder);
-    return test_shared_stop(state);
 }
 
 /* ---- forging ----------------------------------------------------------------------- */
@@ -297,7 +265,7 @@ static void forge(enum forgery forgery)
 {
     struct forger forger = {.forgery = forgery};
 
-    forge_recording(honest, forged, forge_chunk, &forger);
+    forge_recording(test_recording, test_forged, forge_chunk, &forger);
     assert_true(forger.is_done);
 }
 
@@ -308,15 +276,13 @@ static void forge(enum forgery forgery)
  * tells. */
 CASE(verify__passes_what_is_near)
 {
+    const char *const all = "12 questions about what is near with ";
     char said[4096];
 
-    assert_int_equal(test_ctl("verify", "", honest, said, sizeof said), 0);
-    assert_non_null(strstr(said, "PASS: 1 step"));
-    assert_non_null(strstr(said, "12 questions about what is near with "));
+    test_ctl_says(0, "verify", "", test_recording, "PASS: 1 step", all, NULL);
+    assert_ok(test_ctl("verify", "", test_recording, said, sizeof said));
     assert_null(strstr(said, "not checked"));
-    assert_int_equal(
-        test_ctl("verify", "--repeat --method paper", honest, said, sizeof said), 0);
-    assert_non_null(strstr(said, "12 questions about what is near with "));
+    test_ctl_says(0, "verify", "--repeat --method paper", test_recording, all, NULL);
 }
 
 /* If this failed, a daemon that is wrong about distances would be trusted. */
@@ -334,16 +300,10 @@ CASE(verify__shows_what_is_wrong_of_what_is_near)
         [FORGE_CROSSINGS] = "edges pass through faces, exact: ",
         [FORGE_BESIDE] = "crossings: it is not that of the records",
         [FORGE_MOTION] = "what is near: record "};
-    char said[4096];
 
     for (int forgery = 0; forgery < FORGE_COUNT; forgery++) {
         forge((enum forgery)forgery);
-        int status = test_ctl("verify", "", forged, said, sizeof said);
-        if (status != 1 || strstr(said, says[forgery]) == NULL) {
-            print_message("forgery %d: %s\n", forgery, said);
-        }
-        assert_int_equal(status, 1);
-        assert_non_null(strstr(said, says[forgery]));
+        test_ctl_says(1, "verify", "", test_forged, says[forgery], NULL);
     }
 }
 
@@ -351,16 +311,12 @@ CASE(verify__shows_what_is_wrong_of_what_is_near)
  * noticed. */
 CASE(replay__compares_what_is_near)
 {
-    char said[4096];
-
-    assert_int_equal(test_ctl("replay", "", honest, said, sizeof said), 0);
     /* With a gap any pair is right. */
-    assert_non_null(strstr(said, "11 the same, 0 not"));
+    test_ctl_says(0, "replay", "", test_recording, "11 the same, 0 not", NULL);
     forge(FORGE_HASH);
-    assert_int_equal(test_ctl("replay", "", forged, said, sizeof said), 1);
-    assert_non_null(strstr(said, "what is near, question 1 has another hash"));
-    assert_int_equal(test_ctl("replay", "--steps 2..", forged, said, sizeof said), 0);
-    assert_non_null(strstr(said, "10 the same, 0 not"));
+    test_ctl_says(1, "replay", "", test_forged,
+                  "what is near, question 1 has another hash", NULL);
+    test_ctl_says(0, "replay", "--steps 2..", test_forged, "10 the same, 0 not", NULL);
 }
 
-CASES_WITH(set_up, tear_down);
+CASES_WITH(set_up, test_recording_stop);

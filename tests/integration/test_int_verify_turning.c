@@ -2,13 +2,9 @@
  * whether pccdctl verify tells them apart. */
 #include "cases.h"
 
-#include <unistd.h>
-
-#include "chunk.h"
 #include "fixture.h"
 #include "forge.h"
 #include "must.h"
-#include "reader.h"
 #include "recording.h"
 #include "run_ctl.h"
 
@@ -16,25 +12,10 @@
 #define ANGLE 1.125 /* where the post stands, seen from the pin */
 #define SHORT 1.03125
 
-static char forged[112];
 static double begins; /* the angle from which the door turns, and tells how; 0 */
 static double approach;
 
-static int set_up(void **state)
-{
-    int status = test_recording_start(state);
-
-    (void)snprintf(forged, sizeof forged, "%s.forged", test_recording);
-    return status;
-}
-
-static int tear_down(void **state)
-{
-    (void)unlink(forged);
-    return test_recording_stop(state);
-}
-
-CASES_WITH(set_up, tear_down);
+CASES_WITH(test_recording_start, test_recording_stop);
 
 /* A door that turns about z by `angle`, against a post whose upright edge is at ANGLE; a
  * clearance of the two, if it is not negative. */
@@ -90,51 +71,35 @@ static void record_door(double angle, enum pccd_mode mode, uint64_t due)
     record_clear(angle, mode, -1, due);
 }
 
-/* Copy the recording; the door turns by another angle there, or has another clearance. */
-static void forge(double was, double angle)
+/* A number of a frame or clearance, and the one in its place. */
+struct swap {
+    double was, is;
+    int changed;
+};
+
+static bool swap_one(void *context, struct forge_chunk *chunk)
 {
-    struct record_writer writer = {.fd = -1};
-    struct record_reader reader;
-    struct record_view view;
-    int got, changed = 0;
+    struct swap *swap = context;
+    bool is_about = chunk->kind == RECORD_FRAME || chunk->kind == RECORD_CLEARANCE;
 
-    (void)unlink(forged);
-    assert_ok(record_writer_open(&writer, forged));
-    assert_ok(record_reader_open(&reader, test_recording));
-    assert_ok(record_writer_need(&writer, reader.features));
-    while ((got = record_reader_next(&reader, &view)) == 1) {
-        uint8_t *copy = malloc(view.bytes + 1);
-
-        assert_non_null(copy);
-        memcpy(copy, view.payload, view.bytes);
-        for (uint64_t i = 0; i + 8 <= view.bytes &&
-                             (view.kind == RECORD_FRAME || view.kind == RECORD_CLEARANCE);
-             i += 8) {
-            if (memcmp(copy + i, &was, 8) == 0) {
-                memcpy(copy + i, &angle, 8);
-                changed++;
-            }
+    for (uint64_t i = 0; is_about && i + 8 <= chunk->bytes; i += 8) {
+        if (memcmp(chunk->payload + i, &swap->was, 8) == 0) {
+            memcpy(chunk->payload + i, &swap->is, 8);
+            swap->changed++;
         }
-        const struct record_part part = {copy, view.bytes};
-        assert_ok(record_writer_add(&writer, (enum record_kind)view.kind, view.time_ns,
-                                    &part, 1));
-        free(copy);
     }
-    assert_int_equal(got, 0);
-    assert_int_equal(changed, 1);
-    record_reader_deinit(&reader);
-    record_writer_deinit(&writer);
+    return true;
 }
 
-static void assert_wrong(const char *what)
+/* Copy the recording; the door turns by another angle there, or has another clearance,
+ * and verify says that this is wrong. */
+static void assert_wrong(double was, double is, const char *what)
 {
-    char said[8192];
+    struct swap swap = {was, is, 0};
 
-    int status = test_ctl("verify", "", forged, said, sizeof said);
-
-    if (status != 1 || strstr(said, what) == NULL) {
-        fail_msg("%d, not 1 and '%s': %s", status, what, said);
-    }
+    forge_recording(test_recording, test_forged, swap_one, &swap);
+    assert_int_equal(swap.changed, 1);
+    test_ctl_says(1, "verify", "", test_forged, what, NULL);
 }
 
 /* If it failed, right answers would be called wrong, or nothing would be checked. */
@@ -146,8 +111,7 @@ CASE(verify_turning__says_that_right_answers_are)
 
     for (int i = 0; i < 3; i++) {
         record_door(PI / 2, modes[i], i < 2 ? 3 : 0);
-        assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said),
-                         0);
+        assert_ok(test_ctl("verify", "--json", test_recording, said, sizeof said));
         assert_int_equal(test_ctl_number(said, "contacts"), i < 2 ? 3 : 0);
         assert_int_equal(test_ctl_number(said, "turning"), 0);
     }
@@ -161,18 +125,13 @@ CASE(verify_turning__says_that_right_answers_are)
 CASE(verify_turning__finds_what_is_wrong)
 {
     record_door(PI / 2, PCCD_MODE_ALL, 3);
-    forge(PI / 2, 2);
-    assert_wrong("meet before the record's time");
-    forge(PI / 2, 1.5);
-    assert_wrong("are apart until after its time");
-    forge(PI / 2, SHORT);
-    assert_wrong("are apart until after its time");
+    assert_wrong(PI / 2, 2, "meet before the record's time");
+    assert_wrong(PI / 2, 1.5, "are apart until after its time");
+    assert_wrong(PI / 2, SHORT, "are apart until after its time");
     record_door(SHORT, PCCD_MODE_ALL, 0);
-    forge(SHORT, PI / 2);
-    assert_wrong("a contact is missing in the answer");
+    assert_wrong(SHORT, PI / 2, "a contact is missing in the answer");
     record_door(SHORT, PCCD_MODE_ANY, 0);
-    forge(SHORT, PI / 2);
-    assert_wrong("a contact is missing in the answer");
+    assert_wrong(SHORT, PI / 2, "a contact is missing in the answer");
 }
 
 /* If it failed, a contact that is no nearer than the clearance of its two objects, or one
@@ -188,13 +147,10 @@ CASE(verify_turning__knows_clearances)
     assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
     assert_int_equal(test_ctl_number(said, "contacts"), 3);
     assert_int_equal(test_recording_repeats("--json", test_recording, 1), 1);
-    forge(near, 0.125);
-    assert_wrong("meet before the record's time");
-    forge(near, 0.03125);
-    assert_wrong("are apart until after its time");
+    assert_wrong(near, 0.125, "meet before the record's time");
+    assert_wrong(near, 0.03125, "are apart until after its time");
     record_clear(0.75, PCCD_MODE_ALL, near, 0);
-    forge(near, 0.25);
-    assert_wrong("a contact is missing in the answer");
+    assert_wrong(near, 0.25, "a contact is missing in the answer");
     record_clear(0.75, PCCD_MODE_ANY, near, 0);
     assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
 }
@@ -210,17 +166,13 @@ CASE(verify_turning__knows_what_comes_nearer_by_its_part)
     record_clear(PI / 2, PCCD_MODE_ALL, far, 13);
     assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
     assert_int_equal(test_ctl_number(said, "contacts"), 13);
-    forge(far, 1.5);
-    assert_wrong("within their distance is told wrongly");
-    forge(PI / 2, 2);
-    assert_wrong("meet before the record's time");
-    forge(PI / 2, 1.5);
-    assert_wrong("are apart until after its time");
+    assert_wrong(far, 1.5, "within their distance is told wrongly");
+    assert_wrong(PI / 2, 2, "meet before the record's time");
+    assert_wrong(PI / 2, 1.5, "are apart until after its time");
     record_clear(0.28125, PCCD_MODE_ALL, far, 0);
     assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
-    forge(0.28125, PI / 2);
     approach = 0;
-    assert_wrong("a contact is missing in the answer");
+    assert_wrong(0.28125, PI / 2, "a contact is missing in the answer");
 }
 
 static bool is_called_free(void *context, struct forge_chunk *chunk)
@@ -252,7 +204,7 @@ CASE(verify_turning__knows_how_it_begins)
         assert_null(strstr(said, "begins"));
     }
     record_door(1.26, PCCD_MODE_ANY, 0);
-    forge_recording(test_recording, forged, is_called_free, NULL);
+    forge_recording(test_recording, test_forged, is_called_free, NULL);
     begins = 0;
-    assert_wrong("it begins crossed");
+    test_ctl_says(1, "verify", "", test_forged, "it begins crossed", NULL);
 }

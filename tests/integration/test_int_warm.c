@@ -215,12 +215,4 @@ CASE(warm__shared_frames_allocate_nothing)
 
 /* With direct: this process has the engine, too, whose threads ask for room of their own
  * when a step wants them. */
-static int start(void **state)
-{
-    static const char *const options[] = {"--threads", "1", NULL};
-
-    (void)state;
-    return test_shared_start_with(options);
-}
-
-CASES_WITH(start, test_shared_stop);
+CASES_WITH_DAEMON("--threads", "1");

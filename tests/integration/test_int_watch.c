@@ -15,14 +15,6 @@
 #define THREADS 3u
 #define NOBODY  65534
 
-static int start(void **state)
-{
-    static const char *const options[] = {"--threads", "3", NULL};
-
-    (void)state;
-    return test_shared_start_with(options);
-}
-
 static struct test_grid grid;
 
 static void open_grid(void)
@@ -164,8 +156,7 @@ static void collect(void *context, const struct pccd_trace_event *events, uint32
 static void start_recording(struct recording *recording, uint32_t events)
 {
     memset(recording, 0, sizeof *recording);
-    recording->events = calloc(EVENTS_MAX, sizeof *recording->events);
-    assert_non_null(recording->events);
+    recording->events = test_room(EVENTS_MAX * sizeof *recording->events);
     assert_ok(pccd_trace_start(grid.client, events, 0, &recording->info));
 }
 
@@ -412,35 +403,32 @@ CASE(trace__is_one_at_a_time_and_of_its_session)
     pccd_close(other);
 }
 
+static int dump(struct test_raw *raw, uint64_t cursor,
+                struct proto_TRACE_DUMP_result *page)
+{
+    return RAW_CALL(raw, TRACE_DUMP, page, .cursor = cursor, .count = UINT32_MAX);
+}
+
 /* If it failed, a page could be asked for that is not there, or lead to nothing. */
 CASE(trace__pages_beyond_the_end_are_refused)
 {
     static struct test_raw raw;
-    struct proto_TRACE_START_request begin = {.events = 1024};
-    struct proto_TRACE_STOP_request end = {.reserved = 0};
     struct proto_TRACE_STOP_result ended;
-    struct proto_TRACE_DUMP_request dump = {.cursor = 0, .count = UINT32_MAX};
     struct proto_TRACE_DUMP_result page;
 
     assert_ok(test_raw_session(&raw, test_shared.socket, 0, 0));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_START, &begin, NULL));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_STOP, &end, &ended));
-    assert_true(ended.events > 0); /* the answer to trace.start */
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
-                     PCCD_E_STATE); /* nowhere to write to */
+    assert_ok(RAW_CALL(&raw, TRACE_START, NULL, .events = 1024));
+    assert_ok(RAW_CALL(&raw, TRACE_STOP, &ended, .reserved = 0));
+    assert_true(ended.events > 0);                        /* the answer to trace.start */
+    assert_int_equal(dump(&raw, 0, &page), PCCD_E_STATE); /* nowhere to write to */
     assert_ok(test_raw_attach(&raw, 2, 65536));
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page));
+    assert_ok(dump(&raw, 0, &page));
     assert_int_equal(page.count, ended.events);
     assert_int_equal(page.events, ended.events);
-    dump.cursor = ended.events;
-    assert_ok(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page));
+    assert_ok(dump(&raw, ended.events, &page));
     assert_int_equal(page.count, 0);
-    dump.cursor = ended.events + 1;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
-                     PCCD_E_INVAL);
-    dump.cursor = UINT64_MAX;
-    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_TRACE_DUMP, &dump, &page),
-                     PCCD_E_INVAL);
+    assert_int_equal(dump(&raw, ended.events + 1, &page), PCCD_E_INVAL);
+    assert_int_equal(dump(&raw, UINT64_MAX, &page), PCCD_E_INVAL);
     test_raw_close(&raw);
 }
 
@@ -450,22 +438,19 @@ CASE(trace__pages_beyond_the_end_are_refused)
 static int ask_as_nobody(void)
 {
     static struct test_raw raw;
-    struct proto_STATS_THREAD_request any = {.thread = 0, .any = true};
-    struct proto_STATS_THREAD_request own = {.thread = 0, .any = false};
-    struct proto_TRACE_START_request record = {.events = 16};
     int status = 0;
 
     if (setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
         test_raw_session(&raw, test_shared.socket, 0, 0) != 0) {
         return 1;
     }
-    if (test_raw_call(&raw, PROTO_METHOD_STATS_THREAD, &any, NULL) != PCCD_E_ACCESS) {
+    if (RAW_CALL(&raw, STATS_THREAD, NULL, .any = true) != PCCD_E_ACCESS) {
         status |= 2;
     }
-    if (test_raw_call(&raw, PROTO_METHOD_STATS_THREAD, &own, NULL) != 0) {
+    if (RAW_CALL(&raw, STATS_THREAD, NULL, .any = false) != 0) {
         status |= 4;
     }
-    if (test_raw_call(&raw, PROTO_METHOD_TRACE_START, &record, NULL) != PCCD_E_ACCESS) {
+    if (RAW_CALL(&raw, TRACE_START, NULL, .events = 16) != PCCD_E_ACCESS) {
         status |= 8;
     }
     test_raw_close(&raw);
@@ -502,4 +487,4 @@ CASE(watch__other_users_are_refused)
     close_grid();
 }
 
-CASES_WITH(start, test_shared_stop);
+CASES_WITH_DAEMON("--threads", "3");

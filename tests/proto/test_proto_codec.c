@@ -140,9 +140,8 @@ static void decode(struct fixture *fixture, struct proto_envelope *envelope, voi
     *copy = malloc(fixture->encoder.bytes);
     assert_non_null(*copy);
     memcpy(*copy, fixture->encoder.data, fixture->encoder.bytes);
-    assert_int_equal(
-        proto_decode(fixture->decoder, *copy, fixture->encoder.bytes, envelope, &error),
-        0);
+    assert_ok(
+        proto_decode(fixture->decoder, *copy, fixture->encoder.bytes, envelope, &error));
 }
 
 static void decode_same(const struct proto_envelope *envelope,
@@ -269,9 +268,8 @@ CASE(optional__is_left_out_only_when_zero)
 {
     struct fixture *fixture = *state;
     struct proto_FRAME_SUBMIT_request request = {.scene = 0, .segments = 0};
-    assert_int_equal(
-        proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT, &request),
-        0);
+    assert_ok(
+        proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT, &request));
     size_t bare = fixture->encoder.bytes;
     /* [0, 1, "frame.submit", {"scene": 0, "segments": 0}] by hand. */
     static const uint8_t expected[] = "\x94\x00\x01\xac"
@@ -281,9 +279,8 @@ CASE(optional__is_left_out_only_when_zero)
     assert_memory_equal(fixture->encoder.data, expected, sizeof expected);
 
     request.tolerance = DBL_TRUE_MIN;
-    assert_int_equal(
-        proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT, &request),
-        0);
+    assert_ok(
+        proto_encode_request(&fixture->encoder, 1, PROTO_METHOD_FRAME_SUBMIT, &request));
     assert_int_equal(fixture->encoder.bytes, bare + 10 + 9); /* its name and a double */
 }
 

@@ -28,6 +28,12 @@ static void assert_taken(struct fixture *fixture)
         put(&(fixture)->bytes, literal, sizeof literal - 1);                             \
     } while (0)
 
+#define REFUSE(literal, about)                                                           \
+    do {                                                                                 \
+        SET(fixture, literal);                                                           \
+        assert_refused(fixture, about);                                                  \
+    } while (0)
+
 /* ---- the prescan ------------------------------------------------------------------ */
 
 /* If this failed, five bytes could make msgpack-c allocate gigabytes. */
@@ -46,19 +52,13 @@ CASE(prescan__refuses_claims_beyond_the_message)
         put_number(&fixture->bytes, middle[i], 0xffff, 2);
         assert_refused(fixture, "claims more");
     }
-    SET(fixture, "\xc4\xff"); /* bin 8 */
-    assert_refused(fixture, "claims more");
-    SET(fixture, "\xd9\xff"); /* str 8 */
-    assert_refused(fixture, "claims more");
-    SET(fixture, "\xbf"); /* small string */
-    assert_refused(fixture, "claims more");
-    SET(fixture, "\x9f\xc0"); /* small array */
-    assert_refused(fixture, "claims more");
-    SET(fixture, "\x88\xc0\xc0"); /* small map */
-    assert_refused(fixture, "claims more");
+    REFUSE("\xc4\xff", "claims more");     /* bin 8 */
+    REFUSE("\xd9\xff", "claims more");     /* str 8 */
+    REFUSE("\xbf", "claims more");         /* small string */
+    REFUSE("\x9f\xc0", "claims more");     /* small array */
+    REFUSE("\x88\xc0\xc0", "claims more"); /* small map */
     /* Half of a map's objects are there: each pair needs two. */
-    SET(fixture, "\xde\x00\x02\xc0\xc0");
-    assert_refused(fixture, "claims more");
+    REFUSE("\xde\x00\x02\xc0\xc0", "claims more");
 }
 
 /* If this failed, an inner header could claim what only the outer message holds. */
@@ -107,8 +107,7 @@ CASE(prescan__refuses_ext_and_unused_types)
         put(&fixture->bytes, rest, sizeof rest);
         assert_refused(fixture, "not allowed");
     }
-    SET(fixture, "\xc9\xff\xff\xff\xff\x01"); /* ext 32 of 4 GiB */
-    assert_refused(fixture, "not allowed");
+    REFUSE("\xc9\xff\xff\xff\xff\x01", "not allowed"); /* ext 32 of 4 GiB */
 }
 
 /* If this failed, nesting could outgrow the stack of whoever walks the message. */
@@ -151,8 +150,7 @@ CASE(prescan__bounds_the_number_of_objects)
             put_byte(&fixture->bytes, 0xc0);
         }
         if (extra == 0) {
-            assert_int_equal(
-                proto_prescan(fixture->bytes.data, fixture->bytes.count, &error), 0);
+            assert_ok(proto_prescan(fixture->bytes.data, fixture->bytes.count, &error));
         } else {
             assert_refused(fixture, "more than 4096 objects");
         }
@@ -195,40 +193,30 @@ CASE(prescan__bounds_the_bytes)
 CASE(envelope__of_another_shape_is_refused)
 {
     struct fixture *fixture = *state;
-    SET(fixture, "\xc0"); /* nil */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x80"); /* {} */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x90"); /* [] */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x92\x00\x01"); /* [0, 1] */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x94\x03\x01\xa4ping\x80"); /* kind 3 */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x94\xff\x01\xa4ping\x80"); /* kind -1 */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x94\xa1"
-                 "0\x01\xa4ping\x80"); /* kind "0" */
-    assert_refused(fixture, "an array that begins");
-    SET(fixture, "\x93\x00\x01\xa4ping"); /* a request of 3 */
-    assert_refused(fixture, "3 items");
-    SET(fixture, "\x95\x00\x01\xa4ping\x80\xc0"); /* a request of 5 */
-    assert_refused(fixture, "5 items");
-    SET(fixture, "\x94\x02\xa6goaway\x80\xc0"); /* a notification of 4 */
-    assert_refused(fixture, "4 items");
+    REFUSE("\xc0", "an array that begins");                     /* nil */
+    REFUSE("\x80", "an array that begins");                     /* {} */
+    REFUSE("\x90", "an array that begins");                     /* [] */
+    REFUSE("\x92\x00\x01", "an array that begins");             /* [0, 1] */
+    REFUSE("\x94\x03\x01\xa4ping\x80", "an array that begins"); /* kind 3 */
+    REFUSE("\x94\xff\x01\xa4ping\x80", "an array that begins"); /* kind -1 */
+    REFUSE("\x94\xa1"
+           "0\x01\xa4ping\x80",
+           "an array that begins");                    /* kind "0" */
+    REFUSE("\x93\x00\x01\xa4ping", "3 items");         /* a request of 3 */
+    REFUSE("\x95\x00\x01\xa4ping\x80\xc0", "5 items"); /* a request of 5 */
+    REFUSE("\x94\x02\xa6goaway\x80\xc0", "4 items");   /* a notification of 4 */
 }
 
 /* If this failed, an answer could go to another request than the one meant. */
 CASE(envelope__id_is_a_u32)
 {
     struct fixture *fixture = *state;
-    SET(fixture, "\x94\x00\xff\xa4ping\x80"); /* -1 */
-    assert_refused(fixture, "message id");
-    SET(fixture, "\x94\x00\xcf\x00\x00\x00\x01\x00\x00\x00\x00\xa4ping\x80"); /* 2^32 */
-    assert_refused(fixture, "message id");
-    SET(fixture, "\x94\x00\xca\x3f\x80\x00\x00\xa4ping\x80"); /* 1.0 */
-    assert_refused(fixture, "message id");
-    SET(fixture, "\x94\x00\xce\xff\xff\xff\xff\xa4ping\x80"); /* 2^32 - 1 */
+    REFUSE("\x94\x00\xff\xa4ping\x80", "message id");  /* -1 */
+    REFUSE("\x94\x00\xa1x\xa4ping\x80", "message id"); /* text */
+    REFUSE("\x94\x00\xcf\x00\x00\x00\x01\x00\x00\x00\x00\xa4ping\x80",
+           "message id");                                             /* 2^32 */
+    REFUSE("\x94\x00\xca\x3f\x80\x00\x00\xa4ping\x80", "message id"); /* 1.0 */
+    SET(fixture, "\x94\x00\xce\xff\xff\xff\xff\xa4ping\x80");         /* 2^32 - 1 */
     assert_taken(fixture);
     assert_true(fixture->envelope.id == UINT32_MAX);
 }
@@ -257,33 +245,27 @@ CASE(envelope__names_an_unknown_method)
     put_request(&fixture->bytes, 9, "ping");
     put_array(&fixture->bytes, 0);
     assert_refused(fixture, "params are not a map");
-    SET(fixture, "\x94\x00\x01\x07\x80");
-    assert_refused(fixture, "method is not a string");
+    REFUSE("\x94\x00\x09\xa4ping\xc0", "params are not a map");
+    REFUSE("\x94\x00\x01\x07\x80", "method is not a string");
 }
 
 /* If this failed, a broken error or result would be taken for an answer. */
 CASE(envelope__answer_is_an_error_or_a_result)
 {
     struct fixture *fixture = *state;
-    SET(fixture, "\x94\x01\x05\xc0\x90"); /* a result that is an array */
-    assert_refused(fixture, "result is not a map");
-    SET(fixture, "\x94\x01\x05\x94\xfb\xa1x\xa1y\xc2\x80"); /* both */
-    assert_refused(fixture, "an error and a result");
-    SET(fixture, "\x94\x01\x05\x93\xfb\xa1x\xa1y\xc0"); /* three items */
-    assert_refused(fixture, "[code, name, text, fatal]");
-    SET(fixture, "\x94\x01\x05\xa4oops\xc0"); /* a bare string */
-    assert_refused(fixture, "[code, name, text, fatal]");
-    SET(fixture, "\x94\x01\x05\x94\x00\xa1x\xa1y\xc2\xc0"); /* code 0 is success */
-    assert_refused(fixture, "not negative");
-    SET(fixture,
-        "\x94\x01\x05\x94\xd3\xff\xff\xff\xff\x7f\xff\xff\xff\xa1x\xa1y\xc2\xc0");
-    assert_refused(fixture, "not negative");               /* below -2^31 */
-    SET(fixture, "\x94\x01\x05\x94\xfb\x01\xa1y\xc2\xc0"); /* name 1 */
-    assert_refused(fixture, "another type");
-    SET(fixture, "\x94\x01\x05\x94\xfb\xa1x\xa2y\x00\xc2\xc0"); /* NUL in the text */
-    assert_refused(fixture, "another type");
-    SET(fixture, "\x94\x01\x05\x94\xfb\xa1x\xa1y\x00\xc0"); /* fatal 0 */
-    assert_refused(fixture, "another type");
+    REFUSE("\x94\x01\x05\xc0\x90", "result is not a map"); /* a result that is an array */
+    REFUSE("\x94\x01\x05\x94\xfb\xa1x\xa1y\xc2\x80", "an error and a result"); /* both */
+    REFUSE("\x94\x01\x05\x93\xfb\xa1x\xa1y\xc0",
+           "[code, name, text, fatal]");                             /* three items */
+    REFUSE("\x94\x01\x05\xa4oops\xc0", "[code, name, text, fatal]"); /* a bare string */
+    REFUSE("\x94\x01\x05\x94\x00\xa1x\xa1y\xc2\xc0",
+           "not negative"); /* code 0 is success */
+    REFUSE("\x94\x01\x05\x94\xd3\xff\xff\xff\xff\x7f\xff\xff\xff\xa1x\xa1y\xc2\xc0",
+           "not negative");                                          /* below -2^31 */
+    REFUSE("\x94\x01\x05\x94\xfb\x01\xa1y\xc2\xc0", "another type"); /* name 1 */
+    REFUSE("\x94\x01\x05\x94\xfb\xa1x\xa2y\x00\xc2\xc0",
+           "another type"); /* NUL in the text */
+    REFUSE("\x94\x01\x05\x94\xfb\xa1x\xa1y\x00\xc0", "another type"); /* fatal 0 */
     SET(fixture, "\x94\x01\x05\x95\xfb\xa1x\xa1y\xc3\x07\xc0"); /* one item more: newer */
     assert_taken(fixture);
     assert_int_equal(fixture->envelope.error.code, PCCD_E_BADMSG);
@@ -307,14 +289,11 @@ CASE(body__skips_unknown_fields)
     put_byte(&fixture->bytes, 0xc0);
     put_str(&fixture->bytes, "toke");
     put_byte(&fixture->bytes, 7);
-    assert_int_equal(proto_decode(fixture->decoder, fixture->bytes.data,
-                                  fixture->bytes.count, &fixture->envelope,
-                                  &fixture->error),
-                     0);
-    assert_int_equal(proto_decode_body(&fixture->envelope,
-                                       &proto_messages[PROTO_METHOD_PING].request,
-                                       &request, &fixture->error),
-                     0);
+    assert_ok(proto_decode(fixture->decoder, fixture->bytes.data, fixture->bytes.count,
+                           &fixture->envelope, &fixture->error));
+    assert_ok(proto_decode_body(&fixture->envelope,
+                                &proto_messages[PROTO_METHOD_PING].request, &request,
+                                &fixture->error));
     assert_int_equal(request.token, 42);
 }
 
@@ -491,10 +470,9 @@ CASE(truth__is_a_boolean)
         SET(fixture, "\x94\x01\x05\xc0\x81\xa5"
                      "found");
         put(&fixture->bytes, values[i], i == 3 ? 5 : 1);
-        assert_int_equal(proto_decode(fixture->decoder, fixture->bytes.data,
-                                      fixture->bytes.count, &fixture->envelope,
-                                      &fixture->error),
-                         0);
+        assert_ok(proto_decode(fixture->decoder, fixture->bytes.data,
+                               fixture->bytes.count, &fixture->envelope,
+                               &fixture->error));
         int status = proto_decode_body(&fixture->envelope,
                                        &proto_messages[PROTO_METHOD_CANCEL].result,
                                        &result, &fixture->error);
@@ -513,10 +491,8 @@ CASE(body__is_zeroed_when_refused)
     put_map(&fixture->bytes, 1);
     put_str(&fixture->bytes, "scene");
     put_byte(&fixture->bytes, 5);
-    assert_int_equal(proto_decode(fixture->decoder, fixture->bytes.data,
-                                  fixture->bytes.count, &fixture->envelope,
-                                  &fixture->error),
-                     0);
+    assert_ok(proto_decode(fixture->decoder, fixture->bytes.data, fixture->bytes.count,
+                           &fixture->envelope, &fixture->error));
     assert_int_equal(proto_decode_body(&fixture->envelope,
                                        &proto_messages[PROTO_METHOD_SCENE_ADD].request,
                                        &request, &fixture->error),

@@ -45,8 +45,7 @@ CASE(memory__cannot_change_its_size)
 {
     struct proto_memory memory = PROTO_MEMORY_NONE;
     for (int read_only = 0; read_only < 2; read_only++) {
-        assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, read_only),
-                         0);
+        assert_ok(proto_memory_create(&memory, "test", BYTES, BYTES, read_only));
         char path[32];
         (void)snprintf(path, sizeof path, "/proc/self/fd/%d", memory.fd);
         assert_int_equal(chmod(path, S_IRUSR | S_IWUSR), 0); /* we own it */
@@ -220,8 +219,8 @@ CASE(map__refuses_missing_seals)
                          false),
         PCCD_E_BADMSG);
     assert_int_equal(count_open(), open_before);
-    assert_int_equal(
-        proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS), BYTES, false), 0);
+    assert_ok(
+        proto_memory_map(&theirs, make_memfd((off_t)BYTES, ALL_SEALS), BYTES, false));
     proto_memory_deinit(&theirs);
 }
 
@@ -299,8 +298,7 @@ CASE(results__are_there_from_the_start_on_an_old_kernel)
     struct proto_memory memory = PROTO_MEMORY_NONE;
     struct stat info;
     populate_error = EINVAL;
-    assert_int_equal(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true),
-                     0);
+    assert_ok(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true));
     assert_int_equal(proto_memory_take(&memory, PROTO_SHM_PAGE, BYTES), 0);
     assert_int_equal(proto_memory_give_back(&memory, PROTO_SHM_PAGE, BYTES),
                      PCCD_E_SYSTEM); /* it could not be taken again */
@@ -309,8 +307,7 @@ CASE(results__are_there_from_the_start_on_an_old_kernel)
     assert_int_equal((size_t)info.st_blocks * 512, BYTES);
     proto_memory_deinit(&memory);
 
-    assert_int_equal(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true),
-                     0);
+    assert_ok(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true));
     populate_error = EFAULT; /* no memory */
     assert_int_equal(proto_memory_take(&memory, PROTO_SHM_PAGE, BYTES), PCCD_E_NOMEM);
     populate_error = 0;

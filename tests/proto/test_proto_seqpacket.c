@@ -93,14 +93,12 @@ CASE_WITH(message__keeps_its_bounds, set_up, tear_down)
     memset(longest, 'l', sizeof longest);
     assert_int_equal(proto_send(fixture->near, "a", 1, NULL, 0), 0);
     assert_int_equal(proto_send(fixture->near, longest, sizeof longest, NULL, 0), 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
-                                   &bytes, NULL, &fd_count),
-                     0);
+    assert_ok(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer, &bytes,
+                            NULL, &fd_count));
     assert_int_equal(bytes, 1);
     assert_int_equal(fd_count, 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
-                                   &bytes, NULL, &fd_count),
-                     0);
+    assert_ok(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer, &bytes,
+                            NULL, &fd_count));
     assert_int_equal(bytes, sizeof longest);
     assert_memory_equal(fixture->buffer, longest, sizeof longest);
 }
@@ -114,9 +112,8 @@ CASE_WITH(descriptors__arrive_as_the_same_files, set_up, tear_down)
     struct stat before, after;
     assert_int_equal(pipe2(sent, O_CLOEXEC), 0);
     assert_int_equal(proto_send(fixture->near, "x", 1, sent, 2), 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
-                                   &bytes, got, &fd_count),
-                     0);
+    assert_ok(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer, &bytes,
+                            got, &fd_count));
     assert_int_equal(fd_count, 2);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(fstat(sent[i], &before), 0);
@@ -138,9 +135,8 @@ CASE_WITH(descriptors__unwanted_ones_are_closed_and_counted, set_up, tear_down)
         size_t bytes;
         int fd_count = -1;
         send_fds(fixture->near, "x", 1, counts[i]);
-        assert_int_equal(proto_receive(fixture->far, fixture->buffer,
-                                       sizeof fixture->buffer, &bytes, NULL, &fd_count),
-                         0);
+        assert_ok(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
+                                &bytes, NULL, &fd_count));
         assert_int_equal(fd_count, counts[i]);
         assert_int_equal(count_open(), fixture->open_before);
     }
@@ -157,9 +153,8 @@ CASE_WITH(descriptors__surplus_ones_are_closed_and_counted, set_up, tear_down)
         int fds[2] = {-1, -1}, fd_count = -1;
         int stored = counts[i] < 2 ? counts[i] : 2;
         send_fds(fixture->near, "x", 1, counts[i]);
-        assert_int_equal(proto_receive(fixture->far, fixture->buffer,
-                                       sizeof fixture->buffer, &bytes, fds, &fd_count),
-                         0);
+        assert_ok(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
+                                &bytes, fds, &fd_count));
         assert_int_equal(fd_count, counts[i]);
         assert_int_equal(count_open(), fixture->open_before + stored);
         for (int k = 0; k < stored; k++) {
@@ -186,8 +181,7 @@ CASE_WITH(truncated__is_refused_and_its_descriptors_closed, set_up, tear_down)
     assert_int_equal(count_open(), fixture->open_before);
     /* One byte of room more and it is whole. */
     assert_int_equal(proto_send(fixture->near, "0123456789", 10, NULL, 0), 0);
-    assert_int_equal(
-        proto_receive(fixture->far, fixture->buffer, 10, &bytes, NULL, &fd_count), 0);
+    assert_ok(proto_receive(fixture->far, fixture->buffer, 10, &bytes, NULL, &fd_count));
 }
 
 /* If this failed, an empty datagram could be taken for a message of no bytes. */
@@ -225,8 +219,8 @@ CASE_WITH(await__waits_and_nothing_else_does, set_up, tear_down)
     int fd_count;
     int flags = fcntl(fixture->far, F_GETFL);
     assert_int_equal(fcntl(fixture->far, F_SETFL, flags & ~O_NONBLOCK), 0);
-    assert_int_equal(
-        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout), 0);
+    assert_ok(
+        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout));
     uint64_t begin_ns = now_ns();
     assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
@@ -237,9 +231,8 @@ CASE_WITH(await__waits_and_nothing_else_does, set_up, tear_down)
                      PCCD_E_AGAIN);
     assert_true(now_ns() - begin_ns >= 29000000);
     assert_int_equal(proto_send(fixture->near, "x", 1, NULL, 0), 0);
-    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof fixture->buffer,
-                                 &bytes, NULL, &fd_count),
-                     0);
+    assert_ok(proto_await(fixture->far, fixture->buffer, sizeof fixture->buffer, &bytes,
+                          NULL, &fd_count));
     assert_int_equal(bytes, 1);
 }
 
@@ -254,9 +247,8 @@ CASE_WITH(bare__is_the_same_but_for_descriptors, set_up, tear_down)
     send_fds(fixture->near, longest, sizeof longest, 3);
     send_fds(fixture->near, "ab", 2, 1);
     assert_int_equal(proto_send(fixture->near, "ab", 2, NULL, 0), 0);
-    assert_int_equal(
-        proto_receive_bare(fixture->far, fixture->buffer, sizeof fixture->buffer, &bytes),
-        0);
+    assert_ok(proto_receive_bare(fixture->far, fixture->buffer, sizeof fixture->buffer,
+                                 &bytes));
     assert_int_equal(bytes, sizeof longest);
     assert_memory_equal(fixture->buffer, longest, sizeof longest);
     assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes),
@@ -266,8 +258,8 @@ CASE_WITH(bare__is_the_same_but_for_descriptors, set_up, tear_down)
     assert_memory_equal(fixture->buffer, "ab", 2);
     assert_int_equal(count_open(), fixture->open_before);
     assert_int_equal(fcntl(fixture->far, F_SETFL, 0), 0); /* it blocks */
-    assert_int_equal(
-        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout), 0);
+    assert_ok(
+        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout));
     uint64_t begin_ns = now_ns();
     assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 2, &bytes),
                      PCCD_E_AGAIN);
@@ -295,8 +287,7 @@ CASE_WITH(refused__descriptors_stay_with_the_sender, set_up, tear_down)
     assert_false(try_send_fds(fixture->near, "x", 1, 1));
     assert_int_equal(errno, EPERM);
     assert_int_equal(proto_send(fixture->near, "x", 1, NULL, 0), 0);
-    assert_int_equal(
-        proto_receive(fixture->far, fixture->buffer, 1, &bytes, NULL, &fd_count), 0);
+    assert_ok(proto_receive(fixture->far, fixture->buffer, 1, &bytes, NULL, &fd_count));
     assert_int_equal(fd_count, 2);
     assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes), 0);
     assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes),
@@ -323,9 +314,8 @@ CASE_WITH(socket__that_would_block_says_again, set_up, tear_down)
     assert_true(sent >= 1);
     /* What was sent before is whole, and nothing of the refused message came. */
     for (int i = 0; i < sent; i++) {
-        assert_int_equal(proto_receive(fixture->far, fixture->buffer,
-                                       sizeof fixture->buffer, &bytes, NULL, &fd_count),
-                         0);
+        assert_ok(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
+                                &bytes, NULL, &fd_count));
     }
     assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
@@ -368,8 +358,7 @@ CASE(default_path__follows_the_runtime_directory)
     assert_int_equal(proto_default_socket_path(path, sizeof path), 0);
     assert_string_equal(path, "/run/user/7/pccd/pccd.sock");
     assert_int_equal(proto_default_socket_path(path, strlen(path)), PCCD_E_LIMIT);
-    assert_int_equal(
-        proto_default_socket_path(path, strlen("/run/user/7/pccd/pccd.sock") + 1), 0);
+    assert_ok(proto_default_socket_path(path, strlen("/run/user/7/pccd/pccd.sock") + 1));
 
     snprintf(expected, sizeof expected, "/tmp/pccd-%lu/pccd.sock",
              (unsigned long)getuid());

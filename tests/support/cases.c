@@ -26,6 +26,22 @@ void test_group_set(CMFixtureFunction set_up, CMFixtureFunction tear_down)
     group_tear_down = tear_down;
 }
 
+void *test_room(size_t bytes)
+{
+    void *room = calloc(1, bytes + 1);
+    assert_non_null(room);
+    return room;
+}
+
+void *test_copy(const void *from, size_t bytes)
+{
+    void *copy = test_room(bytes);
+    if (bytes > 0) {
+        memcpy(copy, from, bytes);
+    }
+    return copy;
+}
+
 int main(void)
 {
     struct CMUnitTest *units = calloc(count, sizeof *units);

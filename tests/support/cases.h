@@ -25,6 +25,11 @@ void test_case_add(struct test_case *added);
 /* Set what is done before the first case and after the last one; NULL: nothing. */
 void test_group_set(CMFixtureFunction set_up, CMFixtureFunction tear_down);
 
+/* Memory of zeros for free(), and a copy of what may be nothing. Both fail the case where
+ * there is no memory. */
+void *test_room(size_t bytes);
+void *test_copy(const void *from, size_t bytes);
+
 /* The call succeeds: its status is 0. */
 #define assert_ok(call) assert_int_equal(call, 0)
 

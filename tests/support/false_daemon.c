@@ -50,6 +50,19 @@ void false_answer(uint32_t id, int method, const void *result, const int *fds, i
     }
 }
 
+void false_refuse(int code, const char *text)
+{
+    struct proto_error error;
+
+    (void)proto_error_set(&error, code, "%s", text);
+    if (proto_encode_error(&false_daemon.encoder, false_daemon.envelope.id, &error) !=
+            0 ||
+        proto_send(false_daemon.socket, false_daemon.encoder.data,
+                   false_daemon.encoder.bytes, NULL, 0) != 0) {
+        _exit(0);
+    }
+}
+
 void false_hello(uint32_t version, uint64_t features)
 {
     struct proto_HELLO_result result = {
@@ -124,8 +137,7 @@ void false_start(false_script script)
     (void)snprintf(address.sun_path, sizeof address.sun_path, "%s",
                    false_daemon.socket_path);
     assert_true(listener >= 0);
-    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address),
-                     0);
+    assert_ok(bind(listener, (const struct sockaddr *)&address, sizeof address));
     assert_int_equal(listen(listener, 4), 0);
     false_daemon.child = fork();
     assert_true(false_daemon.child >= 0);

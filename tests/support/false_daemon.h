@@ -40,6 +40,8 @@ void false_take_client(void);
 /* Take the next request; ends the process when there is none. Returns its method. */
 int false_next(void);
 void false_answer(uint32_t id, int method, const void *result, const int *fds, int count);
+/* Refuse the last request. */
+void false_refuse(int code, const char *text);
 /* Answer hello, if that is the next request. */
 void false_hello(uint32_t version, uint64_t features);
 /* Answer shm.attach with true memories, of which the message says what it likes. */

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 struct test_daemon test_shared;
+struct test_daemon test_own;
 
 int test_shared_start_with(const char *const *options)
 {
@@ -26,6 +27,17 @@ int test_shared_stop(void **state)
 {
     (void)state;
     return test_is_direct() || test_daemon_finish(&test_shared) ? 0 : -1;
+}
+
+int test_own_start(const char *const *options)
+{
+    return test_daemon_start(&test_own, options) ? 0 : -1;
+}
+
+int test_own_stop(void **state)
+{
+    (void)state;
+    return test_daemon_finish(&test_own) ? 0 : -1;
 }
 
 int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client **client)

@@ -18,6 +18,28 @@ int test_shared_stop(void **state);
  * bytes. Returns 0 or -1. */
 int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client **client);
 
+/* For all cases of the program: that daemon, with these options. */
+#define CASES_WITH_DAEMON(...)                                                           \
+    static int start_shared(void **state)                                                \
+    {                                                                                    \
+        (void)state;                                                                     \
+        return test_shared_start_with((const char *const[]){__VA_ARGS__, NULL});         \
+    }                                                                                    \
+    CASES_WITH(start_shared, test_shared_stop)
+
+/* A case with a daemon of its own, with these options; NULL: none. The case fails unless
+ * it ends with 0 when it is told to. */
+extern struct test_daemon test_own;
+int test_own_start(const char *const *options);
+int test_own_stop(void **state);
+#define CASE_DAEMON(name, ...)                                                           \
+    static int start_##name(void **state)                                                \
+    {                                                                                    \
+        (void)state;                                                                     \
+        return test_own_start((const char *const[]){__VA_ARGS__, NULL});                 \
+    }                                                                                    \
+    CASE_WITH(name, start_##name, test_own_stop)
+
 /* A client of that daemon as TEST_OTHER_USER; only root can. */
 #define TEST_OTHER_USER 65534
 struct pccd_client *test_connect_as_other(void);

@@ -63,14 +63,12 @@ static void put_vertices(const struct hog *hog, float (*x)[3], float height)
 static bool fill(struct hog *hog)
 {
     uint32_t count = vertices_of(hog);
-    struct proto_MESH_CREATE_request create = {.vertex_count = count,
-                                               .triangle_count = hog->triangles};
     struct proto_MESH_CREATE_result created;
     float(*x)[3] = malloc(count * sizeof *x);
     uint32_t(*triangles)[3] = malloc(hog->triangles * sizeof *triangles);
-    bool worked =
-        x != NULL && triangles != NULL &&
-        test_raw_call(&hog->raw, PROTO_METHOD_MESH_CREATE, &create, &created) == 0;
+    bool worked = x != NULL && triangles != NULL &&
+                  RAW_CALL(&hog->raw, MESH_CREATE, &created, .vertex_count = count,
+                           .triangle_count = hog->triangles) == 0;
     if (worked) {
         put_vertices(hog, x, 0);
         put_triangles(hog, triangles);
@@ -85,39 +83,26 @@ static bool fill(struct hog *hog)
 
 static bool commit(struct hog *hog)
 {
-    const struct proto_MESH_COMMIT_request request = {.mesh = hog->mesh};
-    return test_raw_call(&hog->raw, PROTO_METHOD_MESH_COMMIT, &request, NULL) == 0;
+    return RAW_CALL(&hog->raw, MESH_COMMIT, NULL, .mesh = hog->mesh) == 0;
 }
 
 static bool add(struct hog *hog)
 {
-    const struct proto_SCENE_ADD_request request = {.scene = hog->scene,
-                                                    .mesh = hog->mesh};
-    struct proto_SCENE_ADD_result added;
-    if (test_raw_call(&hog->raw, PROTO_METHOD_SCENE_ADD, &request, &added) != 0) {
-        return false;
-    }
-    hog->object = added.object;
-    return true;
+    return test_raw_add(&hog->raw, hog->scene, hog->mesh, &hog->object) == 0;
 }
 
 bool test_hog_open(struct hog *hog, const char *socket, enum hog_kind kind,
                    uint32_t triangles)
 {
-    const struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
     hog->kind = kind;
     hog->triangles = triangles;
     hog->id = 0;
     hog->deadline_ns = 0;
     test_raw_wait_ms = WAIT_MS;
-    if (test_raw_session(&hog->raw, socket, 2, SEGMENT_ROOM + 36ull * triangles) != 0 ||
-        test_raw_call(&hog->raw, PROTO_METHOD_SCENE_CREATE, &create, &created) != 0) {
-        return false;
-    }
-    hog->scene = created.scene;
-    return fill(hog) && (kind == HOG_COMMIT || commit(hog)) &&
-           (kind == HOG_COMMIT || add(hog));
+    return test_raw_session(&hog->raw, socket, 2, SEGMENT_ROOM + 36ull * triangles) ==
+               0 &&
+           test_raw_scene(&hog->raw, "", &hog->scene) == 0 && fill(hog) &&
+           (kind == HOG_COMMIT || commit(hog)) && (kind == HOG_COMMIT || add(hog));
 }
 
 /* A step that moves all of it up by 1/8. */
@@ -138,9 +123,8 @@ static uint32_t submit(struct hog *hog)
 
 bool test_hog_begin(struct hog *hog)
 {
-    const struct proto_MESH_COMMIT_request commit_it = {.mesh = hog->mesh};
     hog->id = hog->kind == HOG_COMMIT
-                  ? test_raw_request(&hog->raw, PROTO_METHOD_MESH_COMMIT, &commit_it)
+                  ? RAW_SEND(&hog->raw, MESH_COMMIT, .mesh = hog->mesh)
                   : submit(hog);
     return hog->id != 0;
 }
@@ -156,10 +140,8 @@ int test_hog_end(struct hog *hog, struct proto_FRAME_SUBMIT_result *answer)
 
 bool test_hog_again(struct hog *hog)
 {
-    const struct proto_MESH_DESTROY_request destroy = {.mesh = hog->mesh};
     return hog->kind != HOG_COMMIT ||
-           (test_raw_call(&hog->raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL) == 0 &&
-            fill(hog));
+           (RAW_CALL(&hog->raw, MESH_DESTROY, NULL, .mesh = hog->mesh) == 0 && fill(hog));
 }
 
 void test_hog_close(struct hog *hog)

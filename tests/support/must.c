@@ -44,8 +44,7 @@ uint32_t test_scene(struct pccd_client *client)
 }
 
 uint32_t test_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
-                   uint32_t vertex_count, const uint32_t (*triangles)[3],
-                   uint32_t triangle_count)
+                   uint32_t vertex_count, const void *triangles, uint32_t triangle_count)
 {
     uint32_t mesh = 0;
 

@@ -14,11 +14,11 @@ struct pccd_client *test_client_at(const char *url); /* as test_connect */
 /* Return what pccd_link says. */
 struct pccd_link_info test_link(const struct pccd_client *client);
 
-/* Make a scene without settings, a mesh, and an object of a mesh. Return the handle. */
+/* Make a scene without settings, a mesh of triangles, uint32_t[][3], and an object of a
+ * mesh. Return the handle. */
 uint32_t test_scene(struct pccd_client *client);
 uint32_t test_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
-                   uint32_t vertex_count, const uint32_t (*triangles)[3],
-                   uint32_t triangle_count);
+                   uint32_t vertex_count, const void *triangles, uint32_t triangle_count);
 uint32_t test_object(struct pccd_client *client, uint32_t scene, uint32_t mesh);
 
 /* Step with nothing moved. */

@@ -249,12 +249,10 @@ int test_raw_entry(struct test_raw *raw, const uint8_t **at, void *request,
 
 int test_raw_hello(struct test_raw *raw)
 {
-    struct proto_HELLO_request request = {.version_min = PROTO_VERSION_MIN,
-                                          .version_max = PROTO_VERSION_MAX,
-                                          .client = "raw"};
     struct proto_HELLO_result result;
 
-    return test_raw_call(raw, PROTO_METHOD_HELLO, &request, &result);
+    return RAW_CALL(raw, HELLO, &result, .version_min = PROTO_VERSION_MIN,
+                    .version_max = PROTO_VERSION_MAX, .client = "raw");
 }
 
 int test_raw_hello_again(struct test_raw *raw, const struct proto_HELLO_result *resume,
@@ -356,17 +354,14 @@ int test_raw_fill(struct test_raw *raw, uint32_t mesh, const float (*x)[3],
 int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
                   const uint32_t (*triangles)[3], uint32_t triangle_count, uint32_t *mesh)
 {
-    struct proto_MESH_CREATE_request create = {.vertex_count = vertex_count,
-                                               .triangle_count = triangle_count};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_request commit = {0};
-    int status = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
+    int status = RAW_CALL(raw, MESH_CREATE, &created, .vertex_count = vertex_count,
+                          .triangle_count = triangle_count);
 
     if (status != 0) {
         return status;
     }
-    commit.mesh = *mesh = created.mesh;
-    status = test_raw_fill(raw, created.mesh, x, vertex_count, triangles, triangle_count);
-    return status != 0 ? status
-                       : test_raw_call(raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
+    *mesh = created.mesh;
+    status = test_raw_fill(raw, *mesh, x, vertex_count, triangles, triangle_count);
+    return status != 0 ? status : RAW_CALL(raw, MESH_COMMIT, NULL, .mesh = *mesh);
 }

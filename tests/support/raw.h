@@ -50,8 +50,16 @@ int test_raw_receive(struct test_raw *raw);
  * returned. */
 int test_raw_call(struct test_raw *raw, int method, const void *request, void *result);
 
+/* The same of a request whose fields are named here; those that are not are 0. */
+#define RAW_CALL(raw, METHOD, result, ...)                                               \
+    test_raw_call(raw, PROTO_METHOD_##METHOD,                                            \
+                  &(const struct proto_##METHOD##_request){__VA_ARGS__}, result)
+
 /* The same in two halves; send returns the id, 0 on failure. */
 uint32_t test_raw_request(struct test_raw *raw, int method, const void *request);
+#define RAW_SEND(raw, METHOD, ...)                                                       \
+    test_raw_request(raw, PROTO_METHOD_##METHOD,                                         \
+                     &(const struct proto_##METHOD##_request){__VA_ARGS__})
 int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result);
 
 /* Decode the request of a journal's entry at *at into *request, which is as large as any;
@@ -89,5 +97,33 @@ int test_raw_fill(struct test_raw *raw, uint32_t mesh, const float (*x)[3],
 int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_count,
                   const uint32_t (*triangles)[3], uint32_t triangle_count,
                   uint32_t *mesh);
+
+/* ---- scenes (raw_scene.c) ---------------------------------------------------------- */
+
+/* Make a scene of that name, or take part in it; "": one of this session alone. */
+int test_raw_scene(struct test_raw *raw, const char *name, uint32_t *scene);
+/* Add an object of a mesh. */
+int test_raw_add(struct test_raw *raw, uint32_t scene, uint32_t mesh, uint32_t *object);
+
+/* The smallest scene of a session: a floor, and a triangle above it (crossing.h). */
+struct test_raw_crossing {
+    uint32_t scene, floor_mesh, mesh, floor, object;
+};
+/* Make it, with the triangle at `x`. All four return as test_raw_call. */
+int test_raw_build(struct test_raw *raw, const char *name, const float x[3][3],
+                   struct test_raw_crossing *crossing);
+
+/* Write the way of an object's first `count` vertices to `x` into a slot, and publish it.
+ * Return the request for the step. */
+struct proto_FRAME_SUBMIT_request test_raw_move(const struct test_raw *raw, uint32_t slot,
+                                                uint32_t scene, uint32_t object,
+                                                const float (*x)[3], uint32_t count);
+/* The same of the triangle to height z. */
+struct proto_FRAME_SUBMIT_request test_raw_turn(const struct test_raw *raw, uint32_t slot,
+                                                const struct test_raw_crossing *crossing,
+                                                float z);
+
+/* Give back the results up to what an answer says in `release`. */
+void test_raw_release(const struct test_raw *raw, uint64_t release);
 
 #endif

@@ -12,6 +12,7 @@
 #define ANSWERS_MAX 1000000 /* of any test */
 
 char test_recording[96];
+char test_forged[96];
 
 static char folder[] = "/tmp/pccd-test-record-XXXXXX";
 
@@ -21,6 +22,7 @@ bool test_recording_begin(void)
         return false;
     }
     (void)snprintf(test_recording, sizeof test_recording, "%s/session.rec", folder);
+    (void)snprintf(test_forged, sizeof test_forged, "%s/forged.rec", folder);
     return true;
 }
 

@@ -6,8 +6,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The file to record to, in a folder of its own. */
+/* The file to record to, in a folder of its own; and one beside it, for a copy in which
+ * something was changed (forge.h). */
 extern char test_recording[96];
+extern char test_forged[96];
 
 /* Make the folder of a group; remove it and all in it. */
 bool test_recording_begin(void);

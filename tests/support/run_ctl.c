@@ -6,6 +6,8 @@
 #include <string.h>
 #include <sys/wait.h>
 
+#include "cases.h"
+
 int test_ctl(const char *command, const char *options, const char *file, char *said,
              size_t room)
 {
@@ -25,6 +27,25 @@ int test_ctl(const char *command, const char *options, const char *file, char *s
     said[got] = '\0';
     status = pclose(from);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void test_ctl_says(int status, const char *command, const char *options, const char *file,
+                   ...)
+{
+    char said[8192];
+    int got = test_ctl(command, options, file, said, sizeof said);
+    va_list texts;
+
+    va_start(texts, file);
+    const char *text = "";
+    do {
+        if (got != status || strstr(said, text) == NULL) {
+            fail_msg("%s %s %s: %d where %d is due, without \"%s\": %s", command, options,
+                     file, got, status, text, said);
+        }
+        text = va_arg(texts, const char *);
+    } while (text != NULL);
+    va_end(texts);
 }
 
 uint64_t test_ctl_number(const char *said, const char *name)

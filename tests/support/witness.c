@@ -54,24 +54,18 @@ uint32_t test_witness_long_step(struct test_raw *raw)
     static float x[3 * SOUP][3];
     static uint32_t triangles[SOUP][3];
     struct prng prng = {SOUP};
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_FRAME_SUBMIT_request submit = {.segments = 0};
-    uint32_t id;
+    uint32_t scene, mesh, object, id;
 
     for (uint32_t i = 0; i < 3 * SOUP; i++) {
         x[i][0] = (float)prng_between(&prng, 0.0, 1.0);
         x[i][1] = (float)prng_between(&prng, 0.0, 1.0);
         triangles[i / 3][i % 3] = i;
     }
-    assert_int_equal(
-        test_raw_mesh(raw, x, 3 * SOUP, (const uint32_t(*)[3])triangles, SOUP, &add.mesh),
-        0);
-    assert_int_equal(test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
-    add.scene = submit.scene = created.scene;
-    assert_int_equal(test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, NULL), 0);
-    id = test_raw_request(raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
+    assert_ok(
+        test_raw_mesh(raw, x, 3 * SOUP, (const uint32_t(*)[3])triangles, SOUP, &mesh));
+    assert_ok(test_raw_scene(raw, "", &scene));
+    assert_ok(test_raw_add(raw, scene, mesh, &object));
+    id = RAW_SEND(raw, FRAME_SUBMIT, .scene = scene);
     assert_int_not_equal(id, 0);
     return id;
 }

@@ -13,17 +13,23 @@
 
 static struct test_raw raw;
 
+static int step(const struct proto_FRAME_SUBMIT_request *submit,
+                struct proto_FRAME_SUBMIT_result *answer)
+{
+    return test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, submit, answer);
+}
+
 /* Submits, and writes over the slot before the answer comes: a right answer, or torn, or
  * stale, or what nonsense gets; never anything else, and right again when it is left in
  * peace. */
 bool zoo_rewrites_submitted_slots(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (int round = 0; round < ROUNDS; round++) {
-        struct proto_FRAME_SUBMIT_request submit = zoo_write(&raw, &scene, 0, -1);
+        struct proto_FRAME_SUBMIT_request submit = test_raw_turn(&raw, 0, &scene, -1);
         struct proto_FRAME_SUBMIT_result answer = {.total = 0};
         uint32_t id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
         int status;
@@ -37,14 +43,12 @@ bool zoo_rewrites_submitted_slots(struct zoo_cage *cage)
         EXPECT(cage, status == 0 || status == PCCD_E_SLOT_STALE ||
                          status == PCCD_E_SLOT_TORN || status == PCCD_E_SEGMENT ||
                          status == PCCD_E_HANDLE || status == PCCD_E_NOTFINITE);
-        submit = zoo_write(&raw, &scene, 0, -1);
-        EXPECT(cage,
-               test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
-        submit = zoo_write(&raw, &scene, 0, 1); /* through the floor */
-        EXPECT(cage,
-               test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
+        submit = test_raw_turn(&raw, 0, &scene, -1);
+        EXPECT(cage, step(&submit, &answer) == 0);
+        submit = test_raw_turn(&raw, 0, &scene, 1); /* through the floor */
+        EXPECT(cage, step(&submit, &answer) == 0);
         EXPECT(cage, answer.vf == 3 && answer.incomplete == PCCD_COMPLETE);
-        atomic_store(&test_raw_upload(&raw)->result_head.value, answer.release);
+        test_raw_release(&raw, answer.release);
     }
     test_raw_close(&raw);
     return true;
@@ -55,7 +59,8 @@ bool zoo_rewrites_submitted_slots(struct zoo_cage *cage)
 /* A batch of scenes of which all but the last are nonsense: unknown, or empty and with
  * segments that lead anywhere. */
 static struct proto_BATCH_SUBMIT_request
-write_batch(const struct zoo_scene *scene, const uint32_t *empty, int round, float z)
+write_batch(const struct test_raw_crossing *scene, const uint32_t *empty, int round,
+            float z)
 {
     const uint32_t tables =
         BATCH_SCENES * (sizeof(struct proto_batch_scene) + sizeof(struct proto_segment));
@@ -93,17 +98,12 @@ write_batch(const struct zoo_scene *scene, const uint32_t *empty, int round, flo
 bool zoo_batches_nonsense(struct zoo_cage *cage)
 {
     uint32_t empty[BATCH_SCENES / 2];
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (uint32_t i = 0; i < BATCH_SCENES / 2; i++) {
-        struct proto_SCENE_CREATE_request create = {.want = 0};
-        struct proto_SCENE_CREATE_result created;
-
-        EXPECT(cage,
-               test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created) == 0);
-        empty[i] = created.scene;
+        EXPECT(cage, test_raw_scene(&raw, "", &empty[i]) == 0);
     }
     for (int round = 0; round < ROUNDS; round++) {
         struct proto_BATCH_SUBMIT_request batch = write_batch(&scene, empty, round, -1);
@@ -128,7 +128,7 @@ bool zoo_batches_nonsense(struct zoo_cage *cage)
                test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &answer) == 0);
         EXPECT(cage, answer.failed == BATCH_SCENES - 1 && answer.total == 3);
         EXPECT(cage, answer.incomplete == 0 && answer.count == BATCH_SCENES);
-        atomic_store(&test_raw_upload(&raw)->result_head.value, answer.release);
+        test_raw_release(&raw, answer.release);
     }
     test_raw_close(&raw);
     return true;
@@ -139,22 +139,21 @@ bool zoo_batches_nonsense(struct zoo_cage *cage)
 bool zoo_punches_holes(struct zoo_cage *cage)
 {
     const int punch = FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE;
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
     struct proto_FRAME_SUBMIT_request submit;
     off_t bytes;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     bytes = (off_t)raw.ring.upload_bytes;
-    submit = zoo_write(&raw, &scene, 0, -1);
+    submit = test_raw_turn(&raw, 0, &scene, -1);
     EXPECT(cage, fallocate(raw.upload.fd, punch, 0, bytes) == 0);
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
-                     PCCD_E_SLOT_STALE);
+    EXPECT(cage, step(&submit, NULL) == PCCD_E_SLOT_STALE);
     for (int round = 0; round < ROUNDS; round++) { /* and behind the daemon's back */
         uint32_t id;
         int status;
 
-        submit = zoo_write(&raw, &scene, 0, round % 2 == 0 ? -1 : 1);
+        submit = test_raw_turn(&raw, 0, &scene, round % 2 == 0 ? -1 : 1);
         id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
         EXPECT(cage, id != 0);
         EXPECT(cage, fallocate(raw.upload.fd, punch, 4096, bytes - 4096) == 0);
@@ -171,62 +170,49 @@ bool zoo_punches_holes(struct zoo_cage *cage)
 /* A request with one number that is not true, and what it gets. */
 static int ask_mesh(uint32_t vertices, uint32_t triangles)
 {
-    struct proto_MESH_CREATE_request create = {.vertex_count = vertices,
-                                               .triangle_count = triangles};
-
-    return test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL);
+    return RAW_CALL(&raw, MESH_CREATE, NULL, .vertex_count = vertices,
+                    .triangle_count = triangles);
 }
 
 static int ask_data(uint32_t mesh, uint32_t slot, uint32_t first, uint32_t count)
 {
-    struct proto_MESH_DATA_request data = {.mesh = mesh,
-                                           .slot = slot,
-                                           .first = first,
-                                           .count = count,
-                                           .seq = test_raw_publish(&raw, 0)};
-
-    return test_raw_call(&raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+    return RAW_CALL(&raw, MESH_DATA, NULL, .mesh = mesh, .slot = slot, .first = first,
+                    .count = count, .seq = test_raw_publish(&raw, 0));
 }
 
 /* More than there is, of everything: refused by name, and nothing is allocated for it. */
 bool zoo_lies_about_counts(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
     struct proto_FRAME_SUBMIT_request submit;
-    struct proto_MESH_CREATE_request create = {.vertex_count = 100, .triangle_count = 10};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_request commit = {0};
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     EXPECT(cage, ask_mesh(PROTO_COUNT_MAX, PROTO_COUNT_MAX) == PCCD_E_QUOTA);
     EXPECT(cage, ask_mesh(PROTO_COUNT_MAX + 1, 1) == PCCD_E_INVAL);
     EXPECT(cage, ask_mesh(3, 0) == PCCD_E_INVAL);
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created) == 0);
+    EXPECT(cage, RAW_CALL(&raw, MESH_CREATE, &created, .vertex_count = 100,
+                          .triangle_count = 10) == 0);
     EXPECT(cage, ask_data(created.mesh, 0, 0, 101) == PCCD_E_INVAL);
     EXPECT(cage, ask_data(created.mesh, 0, UINT32_MAX, 2) == PCCD_E_INVAL);
     EXPECT(cage, ask_data(created.mesh, 0, 0, UINT32_MAX) == PCCD_E_INVAL);
     EXPECT(cage, ask_data(created.mesh, 2, 0, 100) == PCCD_E_INVAL);
-    commit.mesh = created.mesh;
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL) == PCCD_E_STATE);
-    submit = zoo_write(&raw, &scene, 0, -1);
+    EXPECT(cage, RAW_CALL(&raw, MESH_COMMIT, NULL, .mesh = created.mesh) == PCCD_E_STATE);
+    submit = test_raw_turn(&raw, 0, &scene, -1);
     submit.segments = PROTO_SEGMENTS_MAX; /* 2 MiB of table in a slot of 64 KiB */
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
-                     PCCD_E_SEGMENT);
+    EXPECT(cage, step(&submit, NULL) == PCCD_E_SEGMENT);
     submit.segments = UINT32_MAX;
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) == PCCD_E_LIMIT);
+    EXPECT(cage, step(&submit, NULL) == PCCD_E_LIMIT);
     atomic_store(&test_raw_upload(&raw)->result_head.value, UINT64_MAX);
-    submit = zoo_write(&raw, &scene, 0, -1);
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) == PCCD_E_INVAL);
+    submit = test_raw_turn(&raw, 0, &scene, -1);
+    EXPECT(cage, step(&submit, NULL) == PCCD_E_INVAL);
     test_raw_close(&raw);
     return true;
 }
 
 /* Submit the triangle with its first coordinate at x, as double. */
-static int submit_number(const struct zoo_scene *scene, double x)
+static int submit_number(const struct test_raw_crossing *scene, double x)
 {
     const struct proto_segment segment = {.object = scene->object,
                                           .kind = PROTO_SEGMENT_X1,
@@ -241,7 +227,7 @@ static int submit_number(const struct zoo_scene *scene, double x)
     memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
     memcpy(test_raw_payload(&raw, 0) + 32, positions, sizeof positions);
     submit.seq = test_raw_publish(&raw, 0);
-    status = test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer);
+    status = step(&submit, &answer);
     return status == 0 && (answer.total != 0 || answer.incomplete != PCCD_COMPLETE)
                ? 1
                : status;
@@ -253,10 +239,10 @@ bool zoo_sends_wrong_numbers(struct zoo_cage *cage)
 {
     static const double wrong[] = {NAN, -NAN, INFINITY, -INFINITY, 1e300, -1e300, 1.1e18};
     static const double right[] = {4.9e-324, -4.9e-324, 1e-310, -0.0, 1e18, -1e18, 1e-45};
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (int round = 0; round < ROUNDS; round++) {
         EXPECT(cage, submit_number(&scene, wrong[round % 7]) == PCCD_E_NOTFINITE);
         EXPECT(cage, submit_number(&scene, right[round % 7]) == 0);
@@ -270,22 +256,17 @@ bool zoo_names_wrong_indices(struct zoo_cage *cage)
 {
     static const uint32_t wrong[][1][3] = {
         {{0, 1, 3}}, {{0, 1, UINT32_MAX}}, {{1u << 31, 1, 2}}};
-    struct proto_MESH_CREATE_request create = {.vertex_count = 3, .triangle_count = 1};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_COMMIT_request commit = {0};
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
     for (int round = 0; round < ROUNDS; round++) {
-        struct proto_MESH_DESTROY_request destroy = {0};
-
-        EXPECT(cage,
-               test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created) == 0);
+        EXPECT(cage, RAW_CALL(&raw, MESH_CREATE, &created, .vertex_count = 3,
+                              .triangle_count = 1) == 0);
         EXPECT(cage, test_raw_fill(&raw, created.mesh, test_triangle_x, 3,
                                    wrong[round % 3], 1) == PCCD_E_INDEX);
-        commit.mesh = destroy.mesh = created.mesh;
-        EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL) ==
-                         PCCD_E_STATE);
-        EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL) == 0);
+        EXPECT(cage,
+               RAW_CALL(&raw, MESH_COMMIT, NULL, .mesh = created.mesh) == PCCD_E_STATE);
+        EXPECT(cage, RAW_CALL(&raw, MESH_DESTROY, NULL, .mesh = created.mesh) == 0);
     }
     test_raw_close(&raw);
     return true;

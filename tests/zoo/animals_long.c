@@ -50,15 +50,12 @@ bool zoo_commits_heaps(struct zoo_cage *cage)
 bool zoo_asks_for_everything(struct zoo_cage *cage)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_VERTICES, PCCD_NEAR_PAIRS};
-    struct proto_SCENE_NEAR_request near = {.end = 1, .distance = EVERYWHERE};
     struct proto_SCENE_NEAR_result answer;
 
     EXPECT(cage, test_hog_open(&hog, cage->socket, HOG_FAN, cage->patient ? 1000 : 300));
-    near.scene = hog.scene;
     for (size_t i = 0; i < sizeof whats / sizeof whats[0]; i++) {
-        near.what = whats[i];
-        EXPECT(cage,
-               test_raw_call(&hog.raw, PROTO_METHOD_SCENE_NEAR, &near, &answer) == 0);
+        EXPECT(cage, RAW_CALL(&hog.raw, SCENE_NEAR, &answer, .scene = hog.scene,
+                              .what = whats[i], .end = 1, .distance = EVERYWHERE) == 0);
         EXPECT(cage, answer.incomplete != PCCD_INCOMPLETE_DEADLINE &&
                          answer.incomplete != PCCD_INCOMPLETE_CANCELLED);
         EXPECT(cage, answer.total > 2 * (uint64_t)hog.triangles);
@@ -70,12 +67,8 @@ bool zoo_asks_for_everything(struct zoo_cage *cage)
 /* Set a radius, and return what object.set says of it. */
 static int set_radius(double radius)
 {
-    const struct proto_OBJECT_SET_request set = {.scene = hog.scene,
-                                                 .object = hog.object,
-                                                 .what = PCCD_OBJECT_RADIUS,
-                                                 .radius = radius};
-
-    return test_raw_call(&hog.raw, PROTO_METHOD_OBJECT_SET, &set, NULL);
+    return RAW_CALL(&hog.raw, OBJECT_SET, NULL, .scene = hog.scene, .object = hog.object,
+                    .what = PCCD_OBJECT_RADIUS, .radius = radius);
 }
 
 #define DEADLINE_MS 50u
@@ -109,7 +102,7 @@ static bool step_thick(struct zoo_cage *cage, uint64_t deadline_ms,
     EXPECT(cage, answer.incomplete == incomplete);
     EXPECT(cage, answer.toi_first == (answer.total > 0 ? 0 : 2));
     EXPECT(cage, answer.safe_step == 0);
-    atomic_store(&test_raw_upload(&hog.raw)->result_head.value, answer.release);
+    test_raw_release(&hog.raw, answer.release);
     return true;
 }
 
@@ -117,15 +110,12 @@ static bool step_thick(struct zoo_cage *cage, uint64_t deadline_ms,
  * would take days; of the small one they are more than are kept. */
 bool zoo_thickens_everything(struct zoo_cage *cage)
 {
-    struct proto_SCENE_NEAR_request near = {.what = PCCD_NEAR_PAIRS, .end = 1};
-
     EXPECT(cage, make_thick(cage, cage->patient ? 1000000 : 20000));
     for (int i = 0; i < 3; i++) {
         EXPECT(cage, step_thick(cage, DEADLINE_MS, PCCD_INCOMPLETE_DEADLINE));
     }
-    near.scene = hog.scene;
-    EXPECT(cage,
-           test_raw_call(&hog.raw, PROTO_METHOD_SCENE_NEAR, &near, NULL) == PCCD_E_LIMIT);
+    EXPECT(cage, RAW_CALL(&hog.raw, SCENE_NEAR, NULL, .scene = hog.scene,
+                          .what = PCCD_NEAR_PAIRS, .end = 1) == PCCD_E_LIMIT);
     test_hog_close(&hog);
     EXPECT(cage, make_thick(cage, 500));
     EXPECT(cage, step_thick(cage, 0, PCCD_INCOMPLETE_CONTACT_LIMIT));

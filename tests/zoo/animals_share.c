@@ -35,30 +35,23 @@ static int take_part(struct test_raw *peer, const char *name, enum pccd_share sh
 
 static int leave(struct test_raw *peer, uint32_t scene)
 {
-    const struct proto_SCENE_DESTROY_request destroy = {.scene = scene};
-
-    return test_raw_call(peer, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL);
+    return RAW_CALL(peer, SCENE_DESTROY, NULL, .scene = scene);
 }
 
 /* The triangle in the scene, with a mesh of its own. */
 static bool add_triangle(struct zoo_cage *cage, struct test_raw *peer,
-                         struct zoo_scene *scene)
+                         struct test_raw_crossing *scene)
 {
-    struct proto_SCENE_ADD_request add = {.scene = scene->scene};
-    struct proto_SCENE_ADD_result added;
-
     if (scene->mesh == 0) {
         EXPECT(cage, test_raw_mesh(peer, test_triangle_x, 3, test_triangle, 1,
                                    &scene->mesh) == 0);
     }
-    add.mesh = scene->mesh;
-    EXPECT(cage, test_raw_call(peer, PROTO_METHOD_SCENE_ADD, &add, &added) == 0);
-    scene->object = added.object;
+    EXPECT(cage, test_raw_add(peer, scene->scene, scene->mesh, &scene->object) == 0);
     return true;
 }
 
-static bool enter_both(struct zoo_cage *cage, const char *name, struct zoo_scene *mine,
-                       struct zoo_scene *theirs)
+static bool enter_both(struct zoo_cage *cage, const char *name,
+                       struct test_raw_crossing *mine, struct test_raw_crossing *theirs)
 {
     memset(mine, 0, sizeof *mine);
     memset(theirs, 0, sizeof *theirs);
@@ -71,79 +64,74 @@ static bool enter_both(struct zoo_cage *cage, const char *name, struct zoo_scene
 
 static int step_still(struct test_raw *peer, uint32_t scene)
 {
-    const struct proto_FRAME_SUBMIT_request still = {.scene = scene};
+    return RAW_CALL(peer, FRAME_SUBMIT, NULL, .scene = scene);
+}
 
-    return test_raw_call(peer, PROTO_METHOD_FRAME_SUBMIT, &still, NULL);
+static int submit(const struct proto_FRAME_SUBMIT_request *request)
+{
+    return test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, request, NULL);
 }
 
 /* In a scene that all of the kind share: moves what is another's, holds what cannot be
  * held, and more than one frame; cancels and outwaits it; leaves while it holds, comes
  * back in the same breath and adds what cannot be added. It gets the error of each, and
  * the others step on. */
-static bool misbehave(struct zoo_cage *cage, struct zoo_scene *mine,
-                      const struct zoo_scene *theirs)
+static bool misbehave(struct zoo_cage *cage, struct test_raw_crossing *mine,
+                      const struct test_raw_crossing *theirs)
 {
-    struct proto_FRAME_SUBMIT_request submit;
-    struct proto_FRAME_SUBMIT_result answer;
-    struct proto_CANCEL_request cancel = {0};
-    struct zoo_scene stolen = *mine;
+    struct proto_FRAME_SUBMIT_request step;
+    struct test_raw_crossing stolen = *mine;
     uint32_t id;
 
     stolen.object = theirs->object;
-    submit = zoo_write(&raw, &stolen, 0, -1);
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
-                     PCCD_E_ACCESS);
-    submit.hold = true;
-    submit.seq = test_raw_publish(&raw, 0);
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
-                     PCCD_E_ACCESS);
-    submit = zoo_write(&raw, mine, 0, 1);
-    submit.hold = submit.place = true;
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) == PCCD_E_INVAL);
-    submit.place = false;
-    submit.deadline_ns = 1; /* it is held, and answered at once or by another's step */
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
+    step = test_raw_turn(&raw, 0, &stolen, -1);
+    EXPECT(cage, submit(&step) == PCCD_E_ACCESS);
+    step.hold = true;
+    step.seq = test_raw_publish(&raw, 0);
+    EXPECT(cage, submit(&step) == PCCD_E_ACCESS);
+    step = test_raw_turn(&raw, 0, mine, 1);
+    step.hold = step.place = true;
+    EXPECT(cage, submit(&step) == PCCD_E_INVAL);
+    step.place = false;
+    step.deadline_ns = 1; /* it is held, and answered at once or by another's step */
+    EXPECT(cage, submit(&step) == 0);
     EXPECT(cage, step_still(&other, theirs->scene) == 0);
-    submit = zoo_write(&raw, mine, 0, 1);
-    submit.hold = true;
-    cancel.id = id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
-    EXPECT(cage, id != 0);
-    EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel) != 0);
-    EXPECT(cage, test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer) == 0);
+    step = test_raw_turn(&raw, 0, mine, 1);
+    step.hold = true;
+    id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &step);
+    EXPECT(cage, id != 0 && RAW_SEND(&raw, CANCEL, .id = id) != 0);
+    EXPECT(cage, test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, NULL) == 0);
     EXPECT(cage, step_still(&other, theirs->scene) == 0);
     return true;
 }
 
 bool zoo_fights_over_a_scene(struct zoo_cage *cage)
 {
-    struct proto_MESH_CREATE_request empty = {.vertex_count = 3, .triangle_count = 1};
-    struct proto_MESH_CREATE_result created;
-    struct proto_SCENE_CREATE_request back = {.share = PCCD_SHARE_OPEN, .name = "arena"};
-    struct zoo_scene mine;
-    struct zoo_scene theirs;
+    struct proto_MESH_CREATE_result empty;
+    struct test_raw_crossing mine;
+    struct test_raw_crossing theirs;
 
     EXPECT(cage, enter_both(cage, "arena", &mine, &theirs));
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &empty, &created) == 0);
+    EXPECT(cage, RAW_CALL(&raw, MESH_CREATE, &empty, .vertex_count = 3,
+                          .triangle_count = 1) == 0);
     for (int round = 0; round < ROUNDS; round++) {
-        struct proto_SCENE_DESTROY_request destroy = {.scene = mine.scene};
-        struct proto_SCENE_ADD_request add = {.mesh = created.mesh};
-        struct proto_FRAME_SUBMIT_request submit;
+        uint32_t next = ((mine.scene >> 20) + 1) << 20;
+        struct proto_FRAME_SUBMIT_request step;
         uint32_t held;
         uint32_t added;
 
         EXPECT(cage, misbehave(cage, &mine, &theirs));
-        submit = zoo_write(&raw, &mine, 0, 1);
-        submit.hold = true;
-        held = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
-        back.want = add.scene = ((mine.scene >> 20) + 1) << 20;
-        EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy) != 0);
-        EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_SCENE_CREATE, &back) != 0);
-        added = test_raw_request(&raw, PROTO_METHOD_SCENE_ADD, &add);
+        step = test_raw_turn(&raw, 0, &mine, 1);
+        step.hold = true;
+        held = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &step);
+        EXPECT(cage, RAW_SEND(&raw, SCENE_DESTROY, .scene = mine.scene) != 0);
+        EXPECT(cage, RAW_SEND(&raw, SCENE_CREATE, .share = PCCD_SHARE_OPEN,
+                              .name = "arena", .want = next) != 0);
+        added = RAW_SEND(&raw, SCENE_ADD, .scene = next, .mesh = empty.mesh);
         EXPECT(cage, held != 0 && added != 0);
         EXPECT(cage, test_raw_answer(&raw, added, PROTO_METHOD_SCENE_ADD, NULL) ==
                          PCCD_E_STATE);
-        mine.scene = back.want;
+        mine.scene = next;
         EXPECT(cage, add_triangle(cage, &raw, &mine));
         EXPECT(cage, step_still(&other, theirs.scene) == 0);
     }
@@ -188,7 +176,6 @@ static int create_named(const void *name, uint8_t bytes)
  * E_BADMSG, and what is no share or right E_INVAL. */
 bool zoo_names_scenes(struct zoo_cage *cage)
 {
-    struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_COUNT, .name = "x"};
     uint32_t scenes[PROTO_SHARED_PER_CLIENT + 1];
     char name[PROTO_STR_MAX + 1];
 
@@ -196,15 +183,11 @@ bool zoo_names_scenes(struct zoo_cage *cage)
     EXPECT(cage, create_named("a\0b", 3) == PCCD_E_BADMSG);
     EXPECT(cage, create_named("\xff\xfe", 2) == PCCD_E_BADMSG);
     EXPECT(cage, create_named("\xc3", 1) == PCCD_E_BADMSG);
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL) == PCCD_E_INVAL);
-    create.share = 0;
-    create.rights = 0777;
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL) == PCCD_E_INVAL);
-    create.name[0] = '\0';
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL) == PCCD_E_INVAL);
+    EXPECT(cage, RAW_CALL(&raw, SCENE_CREATE, NULL, .share = PCCD_SHARE_COUNT,
+                          .name = "x") == PCCD_E_INVAL);
+    EXPECT(cage, RAW_CALL(&raw, SCENE_CREATE, NULL, .rights = 0777, .name = "x") ==
+                     PCCD_E_INVAL);
+    EXPECT(cage, RAW_CALL(&raw, SCENE_CREATE, NULL, .rights = 0777) == PCCD_E_INVAL);
     for (unsigned i = 0; i <= PROTO_SHARED_PER_CLIENT; i++) {
         make_name(cage, i, name);
         EXPECT(cage,
@@ -231,13 +214,11 @@ static bool ignore_all(struct zoo_cage *cage, uint32_t scene, const uint32_t *ob
 
     while (taken < count * each) {
         while (sent < count * each && sent - taken < IN_FLIGHT) {
-            struct proto_SCENE_IGNORE_request ignore = {
-                .scene = scene,
-                .a = objects[sent / each],
-                .b = objects[(sent / each + 1 + sent % each) % count],
-                .ignored = true};
+            uint32_t b = objects[(sent / each + 1 + sent % each) % count];
 
-            EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_SCENE_IGNORE, &ignore) != 0);
+            EXPECT(cage,
+                   RAW_SEND(&raw, SCENE_IGNORE, .scene = scene, .a = objects[sent / each],
+                            .b = b, .ignored = true) != 0);
             sent++;
         }
         EXPECT(cage, test_raw_receive(&raw) == 0 && !raw.envelope.failed);
@@ -252,8 +233,7 @@ bool zoo_ignores_every_pair(struct zoo_cage *cage)
 {
     static uint32_t objects[2 * OBJECTS];
     uint32_t count = cage->patient ? 2 * OBJECTS : OBJECTS;
-    struct zoo_scene mine = {0};
-    struct proto_OBJECT_SET_request set = {.what = COMMON_OBJECT_KNOWN + 1};
+    struct test_raw_crossing mine = {0};
     uint32_t their_scene;
     char name[32];
 
@@ -267,14 +247,12 @@ bool zoo_ignores_every_pair(struct zoo_cage *cage)
         objects[i] = mine.object;
     }
     EXPECT(cage, ignore_all(cage, mine.scene, objects, count, count / 4));
-    set.scene = mine.scene;
-    set.object = mine.object;
     EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &set, NULL) == PCCD_E_INVAL);
-    set.scene = their_scene;
-    set.what = PCCD_OBJECT_SELF;
+           RAW_CALL(&raw, OBJECT_SET, NULL, .scene = mine.scene, .object = mine.object,
+                    .what = COMMON_OBJECT_KNOWN + 1) == PCCD_E_INVAL);
     EXPECT(cage,
-           test_raw_call(&other, PROTO_METHOD_OBJECT_SET, &set, NULL) == PCCD_E_ACCESS);
+           RAW_CALL(&other, OBJECT_SET, NULL, .scene = their_scene, .object = mine.object,
+                    .what = PCCD_OBJECT_SELF) == PCCD_E_ACCESS);
     EXPECT(cage, leave(&raw, mine.scene) == 0);
     EXPECT(cage, step_still(&other, their_scene) == 0);
     test_raw_close(&raw);
@@ -286,20 +264,18 @@ bool zoo_ignores_every_pair(struct zoo_cage *cage)
  * socket takes: it is neither waited for nor dropped, and hears of the last one. */
 bool zoo_reads_no_news(struct zoo_cage *cage)
 {
-    struct proto_WATCH_START_request watch = {0};
-    struct proto_PING_request ping = {.token = 1};
-    struct zoo_scene mine;
-    struct zoo_scene theirs;
+    struct test_raw_crossing mine;
+    struct test_raw_crossing theirs;
     uint32_t told = 0;
     char name[32];
 
     (void)snprintf(name, sizeof name, "news %u", cage->number);
     EXPECT(cage, enter_both(cage, name, &mine, &theirs));
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_WATCH_START, &watch, NULL) == 0);
+    EXPECT(cage, RAW_CALL(&raw, WATCH_START, NULL, .session = 0) == 0);
     for (int i = 0; i < STEPS; i++) {
         EXPECT(cage, step_still(&other, theirs.scene) == 0);
     }
-    EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_PING, &ping) != 0);
+    EXPECT(cage, RAW_SEND(&raw, PING, .token = 1) != 0);
     do {
         EXPECT(cage, test_raw_receive(&raw) == 0 && !raw.envelope.failed);
         told++;
@@ -315,11 +291,9 @@ bool zoo_reads_no_news(struct zoo_cage *cage)
 bool zoo_pries(struct zoo_cage *cage)
 {
     struct proto_CONFIG_SET_request set = {.name = "threads", .value = "-1"};
-    struct proto_CONFIG_GET_request get = {.name = "nothing"};
     struct proto_CONFIG_GET_result got = {.count = 1};
-    struct proto_LIST_SESSION_request list = {0};
     struct proto_LIST_SESSION_result session = {.session = 1};
-    struct proto_STATS_HISTOGRAM_request histogram = {.kind = UINT32_MAX};
+    uint64_t before = 0;
 
     EXPECT(cage, zoo_enter(cage, &raw, 0));
     EXPECT(cage,
@@ -328,28 +302,23 @@ bool zoo_pries(struct zoo_cage *cage)
     memset(set.value, '9', PROTO_STR_MAX);
     EXPECT(cage,
            test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &set, NULL) == PCCD_E_INVAL);
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, NULL) == PCCD_E_INVAL);
-    get.name[0] = '\0';
-    for (; get.index < got.count; get.index++) {
-        EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, &got) == 0);
+    EXPECT(cage, RAW_CALL(&raw, CONFIG_GET, NULL, .name = "nothing") == PCCD_E_INVAL);
+    for (uint32_t i = 0; i < got.count; i++) {
+        EXPECT(cage, RAW_CALL(&raw, CONFIG_GET, &got, .index = i) == 0);
         EXPECT(cage, !got.changed);
     }
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, NULL) == PCCD_E_INVAL);
+    EXPECT(cage, RAW_CALL(&raw, CONFIG_GET, NULL, .index = got.count) == PCCD_E_INVAL);
     while (session.session != 0) {
-        struct proto_LIST_SCENE_request scenes = {.cursor = UINT32_MAX};
         int status;
 
-        EXPECT(cage,
-               test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &session) == 0);
-        list.before = scenes.session = session.session;
-        status = test_raw_call(&raw, PROTO_METHOD_LIST_SCENE, &scenes, NULL);
-        EXPECT(cage,
-               status == 0 || status == PCCD_E_HANDLE); /* it may have gone meanwhile */
+        EXPECT(cage, RAW_CALL(&raw, LIST_SESSION, &session, .before = before) == 0);
+        before = session.session;
+        status =
+            RAW_CALL(&raw, LIST_SCENE, NULL, .session = before, .cursor = UINT32_MAX);
+        EXPECT(cage, status == 0 || status == PCCD_E_HANDLE); /* it may have gone */
     }
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_STATS_HISTOGRAM, &histogram, NULL) ==
-                     PCCD_E_INVAL);
+    EXPECT(cage,
+           RAW_CALL(&raw, STATS_HISTOGRAM, NULL, .kind = UINT32_MAX) == PCCD_E_INVAL);
     test_raw_close(&raw);
     return true;
 }

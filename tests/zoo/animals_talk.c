@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 
 #include "animals.h"
+#include "crossing.h"
 #include "daemon.h"
 #include "seqpacket.h"
 
@@ -81,9 +82,7 @@ bool zoo_floods(struct zoo_cage *cage)
         uint32_t ids[FLOOD_ROUND];
 
         for (int i = 0; i < FLOOD_ROUND; i++) {
-            struct proto_PING_request ping = {.token = (uint64_t)i};
-
-            ids[i] = test_raw_request(&raw, PROTO_METHOD_PING, &ping);
+            ids[i] = RAW_SEND(&raw, PING, .token = (uint64_t)i);
             EXPECT(cage, ids[i] != 0);
         }
         for (int i = 0; i < FLOOD_ROUND; i++) {
@@ -133,39 +132,36 @@ bool zoo_sends_wrong_lengths(struct zoo_cage *cage)
     return true;
 }
 
+static int remove_object(const struct test_raw_crossing *scene)
+{
+    return RAW_CALL(&raw, SCENE_REMOVE, NULL, .scene = scene->scene,
+                    .object = scene->object);
+}
+
 /* Names what is gone, and what never was: E_HANDLE, and it stays. */
 bool zoo_uses_stale_handles(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
     struct proto_FRAME_SUBMIT_request submit;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_REMOVE_request remove = {0};
-    struct proto_SCENE_DESTROY_request destroy = {0};
-    struct proto_MESH_DESTROY_request drop = {0};
-    struct proto_PING_request ping = {.token = 1};
+    uint32_t object;
 
     EXPECT(cage, zoo_enter(cage, &raw, 65536));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
-    remove.scene = destroy.scene = add.scene = scene.scene;
-    remove.object = scene.object;
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &remove, NULL) == 0);
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &remove, NULL) ==
-                     PCCD_E_HANDLE);
-    submit = zoo_write(&raw, &scene, 0, -1); /* moves the object that was removed */
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
+    EXPECT(cage, remove_object(&scene) == 0);
+    EXPECT(cage, remove_object(&scene) == PCCD_E_HANDLE);
+    submit = test_raw_turn(&raw, 0, &scene, -1); /* moves the object that was removed */
     EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
                      PCCD_E_HANDLE);
-    add.mesh = drop.mesh = scene.mesh;
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_MESH_DESTROY, &drop, NULL) == 0);
-    EXPECT(cage,
-           test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL) == PCCD_E_HANDLE);
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY, &destroy, NULL) == 0);
-    submit = zoo_write(&raw, &scene, 0, 1);
+    EXPECT(cage, RAW_CALL(&raw, MESH_DESTROY, NULL, .mesh = scene.mesh) == 0);
+    EXPECT(cage, test_raw_add(&raw, scene.scene, scene.mesh, &object) == PCCD_E_HANDLE);
+    EXPECT(cage, RAW_CALL(&raw, SCENE_DESTROY, NULL, .scene = scene.scene) == 0);
+    submit = test_raw_turn(&raw, 0, &scene, 1);
     for (uint32_t i = 0; i < 64; i++) { /* guesses, near and far */
         submit.scene = scene.scene + (i << i % 32);
         EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, NULL) ==
                          PCCD_E_HANDLE);
     }
-    EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_PING, &ping, NULL) == 0);
+    EXPECT(cage, RAW_CALL(&raw, PING, NULL, .token = 1) == 0);
     test_raw_close(&raw);
     return true;
 }

@@ -23,17 +23,15 @@ static struct test_raw raw;
  * what is too many. */
 bool zoo_submits_without_end(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
-    struct proto_FRAME_SUBMIT_request submit = {0};
+    struct test_raw_crossing scene;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
-    submit.scene = scene.scene;
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (int round = 0; round < 20; round++) {
         int served = 0;
 
         for (int i = 0; i < IN_FLIGHT; i++) {
-            EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit) != 0);
+            EXPECT(cage, RAW_SEND(&raw, FRAME_SUBMIT, .scene = scene.scene) != 0);
         }
         for (int i = 0; i < IN_FLIGHT; i++) {
             EXPECT(cage, test_raw_receive(&raw) == 0);
@@ -50,25 +48,22 @@ bool zoo_submits_without_end(struct zoo_cage *cage)
  * cancelled or not, and the next step is right. */
 bool zoo_cancels_everything(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (int round = 0; round < 30; round++) {
         uint32_t first = 0;
         uint32_t seen = 0;
 
         for (uint32_t i = 0; i < 2; i++) {
-            struct proto_CANCEL_request cancel = {0};
-
-            submit = zoo_write(&raw, &scene, i, i == 0 ? -1 : 1);
-            cancel.id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
-            first = i == 0 ? cancel.id : first;
-            EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel) != 0);
-            cancel.id += 77; /* nothing of that number */
-            EXPECT(cage, test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel) != 0);
+            submit = test_raw_turn(&raw, i, &scene, i == 0 ? -1 : 1);
+            uint32_t id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
+            first = i == 0 ? id : first;
+            EXPECT(cage, RAW_SEND(&raw, CANCEL, .id = id) != 0);
+            EXPECT(cage, RAW_SEND(&raw, CANCEL, .id = id + 77) != 0); /* there is none */
         }
         for (int i = 0; i < 6; i++) {
             EXPECT(cage, test_raw_receive(&raw) == 0 && !raw.envelope.failed);
@@ -78,7 +73,7 @@ bool zoo_cancels_everything(struct zoo_cage *cage)
         }
         /* Cancelled or not, the triangle is above the floor again. */
         for (uint32_t i = 0; i < 2; i++) {
-            submit = zoo_write(&raw, &scene, 0, i == 0 ? -1 : 1);
+            submit = test_raw_turn(&raw, 0, &scene, i == 0 ? -1 : 1);
             EXPECT(cage,
                    test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
             EXPECT(cage, answer.incomplete == PCCD_COMPLETE && answer.vf == 3);
@@ -92,18 +87,15 @@ bool zoo_cancels_everything(struct zoo_cage *cage)
  * E_LIMIT, or E_BUSY while those it dropped are being freed. */
 bool zoo_makes_tiny_scenes(struct zoo_cage *cage)
 {
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
+    uint32_t mesh = 0;
     uint32_t made = 0;
     uint32_t refused = 0;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage,
-           test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &add.mesh) == 0);
+    EXPECT(cage, test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh) == 0);
     for (uint32_t i = 0; i < SCENES; i++) {
-        struct proto_SCENE_DESTROY_request destroy = {0};
-        int status = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created);
+        uint32_t scene, object;
+        int status = test_raw_scene(&raw, "", &scene);
 
         EXPECT(cage, status == 0 || status == PCCD_E_LIMIT || status == PCCD_E_BUSY);
         if (status != 0) {
@@ -111,10 +103,9 @@ bool zoo_makes_tiny_scenes(struct zoo_cage *cage)
             continue;
         }
         made++;
-        add.scene = destroy.scene = created.scene;
-        EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, NULL) == 0);
-        EXPECT(cage, i % 16 == 0 || test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY,
-                                                  &destroy, NULL) == 0);
+        EXPECT(cage, test_raw_add(&raw, scene, mesh, &object) == 0);
+        EXPECT(cage,
+               i % 16 == 0 || RAW_CALL(&raw, SCENE_DESTROY, NULL, .scene = scene) == 0);
     }
     EXPECT(cage, made >= SCENES_MAX && made + refused == SCENES);
     test_raw_close(&raw);
@@ -124,18 +115,13 @@ bool zoo_makes_tiny_scenes(struct zoo_cage *cage)
 /* In a child: submit a large upload and die, at another moment each time. */
 static void die_copying(struct zoo_cage *cage, unsigned delay_us)
 {
-    struct proto_MESH_CREATE_request create = {.vertex_count = LARGE_BYTES / 12,
-                                               .triangle_count = 1};
     struct proto_MESH_CREATE_result created;
-    struct proto_MESH_DATA_request data = {.count = LARGE_BYTES / 12};
 
     if (!zoo_enter(cage, &raw, LARGE_BYTES) ||
-        test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created) != 0) {
-        _exit(1);
-    }
-    data.mesh = created.mesh;
-    data.seq = test_raw_publish(&raw, 0);
-    if (test_raw_request(&raw, PROTO_METHOD_MESH_DATA, &data) == 0) {
+        RAW_CALL(&raw, MESH_CREATE, &created, .vertex_count = LARGE_BYTES / 12,
+                 .triangle_count = 1) != 0 ||
+        RAW_SEND(&raw, MESH_DATA, .mesh = created.mesh, .count = LARGE_BYTES / 12,
+                 .seq = test_raw_publish(&raw, 0)) == 0) {
         _exit(1);
     }
     (void)usleep(delay_us);
@@ -172,7 +158,7 @@ static void wake(pid_t animal, unsigned pause_ms)
  * gets its right answers when it goes on. */
 bool zoo_stops_itself(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
     struct proto_FRAME_SUBMIT_request submit;
     struct proto_FRAME_SUBMIT_result answer;
     uint32_t ids[2];
@@ -180,9 +166,9 @@ bool zoo_stops_itself(struct zoo_cage *cage)
     pid_t child;
 
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (uint32_t i = 0; i < 2; i++) {
-        submit = zoo_write(&raw, &scene, i, i == 0 ? -1 : 1);
+        submit = test_raw_turn(&raw, i, &scene, i == 0 ? -1 : 1);
         ids[i] = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
         EXPECT(cage, ids[i] != 0);
     }
@@ -237,10 +223,9 @@ static struct oracle_turning_answer judge(const struct pccd_joint *joints, uint3
     }
     const struct oracle_turning pair = {
         .joints = joints,
-        .side = {{1, count - 1, {(const double(*)[3])point, (const double(*)[3])point}},
-                 {3,
-                  PCCD_NO_JOINT,
-                  {(const double(*)[3])floor, (const double(*)[3])floor}}}};
+        .side = {
+            {1, count - 1, {(const double(*)[3])point, (const double(*)[3])point}},
+            {3, PCCD_NO_JOINT, {(const double(*)[3])floor, (const double(*)[3])floor}}}};
     oracle_turning_find(&pair, &asked, &answer);
     return answer;
 }
@@ -250,13 +235,13 @@ static struct oracle_turning_answer judge(const struct pccd_joint *joints, uint3
  * none. */
 bool zoo_turns_about(struct zoo_cage *cage)
 {
-    struct zoo_scene scene;
+    struct test_raw_crossing scene;
 
     if (cage->patient) { /* 2^20 turns take seconds, beside others more */
         test_raw_wait_ms = PATIENCE_MS;
     }
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
-    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    EXPECT(cage, test_raw_build(&raw, "", test_triangle_x, &scene) == 0);
     for (size_t n = 0; n < sizeof turns / sizeof turns[0]; n++) {
         const struct turn *turn = &turns[n];
         const struct proto_joints head = {.count = turn->joints};

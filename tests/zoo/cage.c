@@ -13,7 +13,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "crossing.h"
 #include "daemon.h"
 
 #define READY_MS 20000
@@ -189,42 +188,4 @@ bool zoo_enter(struct zoo_cage *cage, struct test_raw *raw, uint64_t slot_bytes)
     EXPECT(cage, test_raw_hello(raw) == 0);
     EXPECT(cage, slot_bytes == 0 || test_raw_attach(raw, 2, slot_bytes) == 0);
     return true;
-}
-
-bool zoo_build(struct zoo_cage *cage, struct test_raw *raw, struct zoo_scene *scene)
-{
-    struct proto_SCENE_CREATE_request create = {.want = 0};
-    struct proto_SCENE_CREATE_result created;
-    struct proto_SCENE_ADD_request add = {0};
-    struct proto_SCENE_ADD_result added;
-
-    EXPECT(cage, test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created) == 0);
-    EXPECT(cage,
-           test_raw_mesh(raw, test_floor_x, 3, test_triangle, 1, &scene->floor) == 0);
-    EXPECT(cage,
-           test_raw_mesh(raw, test_triangle_x, 3, test_triangle, 1, &scene->mesh) == 0);
-    add.scene = scene->scene = created.scene;
-    add.mesh = scene->floor;
-    EXPECT(cage, test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added) == 0);
-    add.mesh = scene->mesh;
-    EXPECT(cage, test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added) == 0);
-    scene->object = added.object;
-    return true;
-}
-
-struct proto_FRAME_SUBMIT_request
-zoo_write(struct test_raw *raw, const struct zoo_scene *scene, uint32_t slot, float z)
-{
-    const struct proto_segment segment = {
-        .object = scene->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
-    uint8_t *payload = test_raw_payload(raw, slot);
-    float x[3][3];
-
-    test_crossing_positions(x, z);
-    memcpy(payload, &segment, sizeof segment);
-    memcpy(payload + 32, x, sizeof x);
-    return (struct proto_FRAME_SUBMIT_request){.scene = scene->scene,
-                                               .slot = slot,
-                                               .seq = test_raw_publish(raw, slot),
-                                               .segments = 1};
 }

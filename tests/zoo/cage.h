@@ -73,18 +73,4 @@ bool zoo_fail(struct zoo_cage *cage, int line, const char *what);
  * is 0. */
 bool zoo_enter(struct zoo_cage *cage, struct test_raw *raw, uint64_t slot_bytes);
 
-/* The smallest scene of a session: a triangle above a floor. */
-struct zoo_scene {
-    uint32_t scene;
-    uint32_t floor;  /* mesh */
-    uint32_t mesh;   /* of the triangle */
-    uint32_t object; /* of the triangle */
-};
-bool zoo_build(struct zoo_cage *cage, struct test_raw *raw, struct zoo_scene *scene);
-
-/* Write the triangle at height z into a slot, and publish it. Returns the request for the
- * step. */
-struct proto_FRAME_SUBMIT_request
-zoo_write(struct test_raw *raw, const struct zoo_scene *scene, uint32_t slot, float z);
-
 #endif
