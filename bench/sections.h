@@ -14,7 +14,6 @@ struct section_options {
 /* Each prints its rows, and returns 0, or 77 where what it needs is not installed. */
 
 /* kernel */
-int section_kernels(const struct section_options *options);
 int section_roofline(const struct section_options *options);
 
 /* pair */

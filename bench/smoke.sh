@@ -11,8 +11,7 @@ set -u -o pipefail
 log=$(mktemp) || exit 99
 trap 'rm -f "$log"' EXIT
 
-parts='kernel kernels
-kernel roofline
+parts='kernel roofline
 pair exact
 pair distances
 pair slowest

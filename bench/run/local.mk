@@ -10,13 +10,10 @@ bench_pccd_bench_SOURCES = \
     bench/batch.c \
     bench/connect.c \
     bench/death.c \
-    bench/gather.c \
-    bench/kernels.c \
     bench/late.c \
     bench/pair.c \
     bench/roofline.c \
     bench/slowest.c \
-    bench/sorting.c \
     bench/redis/busy.c \
     bench/redis/crowd.c \
     bench/redis/ipc.c \

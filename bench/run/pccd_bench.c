@@ -100,7 +100,6 @@ static const struct part {
     int (*measure)(const struct section_options *options);
     const struct option_row *options; /* of its own; NULL: none */
 } parts[] = {
-    {"kernel", "kernels", section_kernels, NULL},
     {"kernel", "roofline", section_roofline, NULL},
     {"pair", "exact", section_exact, NULL},
     {"pair", "distances", section_distances, NULL},
