@@ -1,7 +1,4 @@
-/* columns.h - prints figures for people, and structs as tables and as JSON.
- *
- * Threads: one.
- */
+/* columns.h - prints figures for people, and structs as tables and as JSON. */
 #ifndef CTL_COLUMNS_H
 #define CTL_COLUMNS_H
 

@@ -2,8 +2,6 @@
  *
  * Do for pccdctl and pccd-mpi what comes before the command: help, version, and a name
  * that there is not; and see that all that was printed has gone out.
- *
- * Threads: one.
  */
 #ifndef CTL_DISPATCH_H
 #define CTL_DISPATCH_H

@@ -1,7 +1,4 @@
-/* link.h - connects a command to the daemon that its options name.
- *
- * Threads: one.
- */
+/* link.h - connects a command to the daemon that its options name. */
 #ifndef CTL_LINK_H
 #define CTL_LINK_H
 

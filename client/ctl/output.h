@@ -1,7 +1,4 @@
-/* output.h - the files and the JSON that commands write.
- *
- * Threads: one.
- */
+/* output.h - the files and the JSON that commands write. */
 #ifndef CTL_OUTPUT_H
 #define CTL_OUTPUT_H
 

@@ -6,8 +6,6 @@
  *
  *     {"pccd-mpi": "replay", "version": "0.1.0", ...}        of which work: the head
  *     {"item": 3, ...}                                       one result, as it came
- *
- * Threads: one.
  */
 #ifndef CTL_RESULTS_H
 #define CTL_RESULTS_H

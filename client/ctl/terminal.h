@@ -1,6 +1,4 @@
 /* terminal.h - colours, screens that update, and interrupts, for programs on a terminal.
- *
- * Threads: one.
  */
 #ifndef CTL_TERMINAL_H
 #define CTL_TERMINAL_H

@@ -1,7 +1,4 @@
-/* report.h - prints the results of a run and judges them.
- *
- * Threads: one.
- */
+/* report.h - prints the results of a run and judges them. */
 #ifndef LOAD_REPORT_H
 #define LOAD_REPORT_H
 

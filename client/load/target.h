@@ -1,7 +1,4 @@
-/* target.h - the daemon under load: starts, asks and kills it.
- *
- * Threads: one.
- */
+/* target.h - the daemon under load: starts, asks and kills it. */
 #ifndef LOAD_TARGET_H
 #define LOAD_TARGET_H
 

@@ -7,8 +7,6 @@
  * returns now and then; a leak lifts the floor. Each worker process has a level of its
  * own, because a restarted worker begins elsewhere, and all have one slope. The first
  * seconds of a worker are left out: it takes what it needs then.
- *
- * Threads: one.
  */
 #ifndef LOAD_WATCH_H
 #define LOAD_WATCH_H

@@ -4,8 +4,6 @@
  * Provide the files, --json, --threads, --method, --tuning, --repeat, --deadline,
  * --result-bytes, the options of thickness and of mesh files; say where the report goes,
  * and end the command.
- *
- * Threads: one.
  */
 #ifndef CTL_ASK_OPTIONS_H
 #define CTL_ASK_OPTIONS_H

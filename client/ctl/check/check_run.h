@@ -1,7 +1,4 @@
-/* check_run.h - `pccdctl check`: its options, its run, and its CSV.
- *
- * Threads: one.
- */
+/* check_run.h - `pccdctl check`: its options, its run, and its CSV. */
 #ifndef CTL_CHECK_RUN_H
 #define CTL_CHECK_RUN_H
 

@@ -1,7 +1,4 @@
-/* player.h - moves meshes in a daemon through the frames of files, for `pccdctl load`.
- *
- * Threads: one.
- */
+/* player.h - moves meshes in a daemon through the frames of files, for `pccdctl load`. */
 #ifndef CTL_PLAYER_H
 #define CTL_PLAYER_H
 

@@ -1,7 +1,4 @@
-/* report.h - prints the results of `pccdctl check`.
- *
- * Threads: one.
- */
+/* report.h - prints the results of `pccdctl check`. */
 #ifndef CTL_REPORT_H
 #define CTL_REPORT_H
 

@@ -8,8 +8,6 @@
  * Nothing in them depends on the machine, on threads, on the method, or on where files
  * are: whoever has the files can have them made again and compare. So the whole file is a
  * certificate.
- *
- * Threads: one.
  */
 #ifndef CTL_CHECK_LINES_H
 #define CTL_CHECK_LINES_H

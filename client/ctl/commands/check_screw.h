@@ -1,6 +1,4 @@
 /* check_screw.h - `pccdctl check --motion screw`: a body that turns, beside what stands.
- *
- * Threads: one.
  */
 #ifndef CTL_CHECK_SCREW_H
 #define CTL_CHECK_SCREW_H

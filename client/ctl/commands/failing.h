@@ -2,8 +2,6 @@
  *
  * Each of them is made once more, while it is recorded in a file without a name, which
  * `inspect` and `render` then show.
- *
- * Threads: one.
  */
 #ifndef CTL_FAILING_H
 #define CTL_FAILING_H

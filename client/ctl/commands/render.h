@@ -1,7 +1,4 @@
-/* render.h - what pccdctl render draws, and how.
- *
- * Threads: one.
- */
+/* render.h - what pccdctl render draws, and how. */
 #ifndef CTL_RENDER_H
 #define CTL_RENDER_H
 

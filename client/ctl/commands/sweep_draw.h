@@ -1,7 +1,4 @@
-/* sweep_draw.h - a picture of what came of a sweep.
- *
- * Threads: one.
- */
+/* sweep_draw.h - a picture of what came of a sweep. */
 #ifndef CTL_SWEEP_DRAW_H
 #define CTL_SWEEP_DRAW_H
 

@@ -4,8 +4,6 @@
  * morph target and an animation of one second; radii as an attribute _RADIUS of the
  * vertices; contacts as points coloured by time, their normals as lines; what is near as
  * lines coloured by distance.
- *
- * Threads: one.
  */
 #ifndef CTL_EXPORT_H
 #define CTL_EXPORT_H

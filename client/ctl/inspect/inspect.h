@@ -1,7 +1,4 @@
-/* inspect.h - packs the steps of a recording into the page of `pccdctl inspect`.
- *
- * Threads: one.
- */
+/* inspect.h - packs the steps of a recording into the page of `pccdctl inspect`. */
 #ifndef CTL_INSPECT_H
 #define CTL_INSPECT_H
 

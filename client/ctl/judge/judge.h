@@ -4,8 +4,6 @@
  * ends. What crosses in the first frame stands; at a later frame a crossing is new if its
  * two features crossed neither in the first frame nor in the one before. So a step is
  * judged by three frames alone, whoever has judged the others.
- *
- * Threads: one.
  */
 #ifndef CTL_JUDGE_H
 #define CTL_JUDGE_H

@@ -10,8 +10,6 @@
  * A tool runs a command of pccdctl in a child that is forked, not another program: it
  * has the command's code and options, reads within the folder alone (confined.h), and
  * whatever becomes of it, the server lives on.
- *
- * Threads: one.
  */
 #ifndef CTL_MCP_H
 #define CTL_MCP_H

@@ -1,7 +1,4 @@
-/* near_run.h - `pccdctl near`: its options, what it asks, and how the answer is told.
- *
- * Threads: one.
- */
+/* near_run.h - `pccdctl near`: its options, what it asks, and how the answer is told. */
 #ifndef CTL_NEAR_RUN_H
 #define CTL_NEAR_RUN_H
 

@@ -1,7 +1,4 @@
-/* counters.h - the daemon's counters, looked up by name.
- *
- * Threads: one.
- */
+/* counters.h - the daemon's counters, looked up by name. */
 #ifndef CTL_COUNTERS_H
 #define CTL_COUNTERS_H
 

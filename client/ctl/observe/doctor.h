@@ -1,7 +1,4 @@
-/* doctor.h - looks for mistakes in a set-up (`pccdctl doctor`).
- *
- * Threads: one.
- */
+/* doctor.h - looks for mistakes in a set-up (`pccdctl doctor`). */
 #ifndef CTL_DOCTOR_H
 #define CTL_DOCTOR_H
 

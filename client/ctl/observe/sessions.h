@@ -1,7 +1,4 @@
-/* sessions.h - lists the clients of a daemon, with their scenes and objects.
- *
- * Threads: one.
- */
+/* sessions.h - lists the clients of a daemon, with their scenes and objects. */
 #ifndef CTL_SESSIONS_H
 #define CTL_SESSIONS_H
 

@@ -2,8 +2,6 @@
  *
  * Write one track for each thread of the daemon's team and one for its loop; for each
  * client a group with as many tracks as it had requests at the same time.
- *
- * Threads: one.
  */
 #ifndef CTL_TRACE_FILE_H
 #define CTL_TRACE_FILE_H

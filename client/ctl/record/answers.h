@@ -1,7 +1,4 @@
-/* answers.h - the answers in a recording, looked up by step.
- *
- * Threads: one.
- */
+/* answers.h - the answers in a recording, looked up by step. */
 #ifndef CTL_ANSWERS_H
 #define CTL_ANSWERS_H
 

@@ -1,7 +1,4 @@
-/* frames.h - a recording of frames from files, for commands that show recordings.
- *
- * Threads: one.
- */
+/* frames.h - a recording of frames from files, for commands that show recordings. */
 #ifndef CTL_FRAMES_H
 #define CTL_FRAMES_H
 

@@ -1,8 +1,5 @@
 /* play.h - goes through the steps of a recording, and has a daemon compute them again if
- * wanted.
- *
- * Threads: one.
- */
+ * wanted. */
 #ifndef CTL_PLAY_H
 #define CTL_PLAY_H
 

@@ -1,6 +1,4 @@
 /* play_options.h - the options that all commands which read a recording have in common.
- *
- * Threads: one.
  */
 #ifndef CTL_PLAY_OPTIONS_H
 #define CTL_PLAY_OPTIONS_H

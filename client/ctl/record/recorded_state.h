@@ -1,7 +1,4 @@
-/* recorded_state.h - the meshes, scenes and positions at one point of a recording.
- *
- * Threads: one.
- */
+/* recorded_state.h - the meshes, scenes and positions at one point of a recording. */
 #ifndef CTL_RECORDED_STATE_H
 #define CTL_RECORDED_STATE_H
 

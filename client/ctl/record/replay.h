@@ -1,7 +1,4 @@
-/* replay.h - whether a step that was computed again has the recorded answer.
- *
- * Threads: one.
- */
+/* replay.h - whether a step that was computed again has the recorded answer. */
 #ifndef CTL_REPLAY_H
 #define CTL_REPLAY_H
 

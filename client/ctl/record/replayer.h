@@ -3,8 +3,6 @@
  * The recorded state follows the file alone. Before an item is asked again, the daemon is
  * told what it does not know yet: meshes, scenes and objects, under the same handles; and
  * where the objects are, if it has not seen a scene's last step.
- *
- * Threads: one.
  */
 #ifndef CTL_REPLAYER_H
 #define CTL_REPLAYER_H

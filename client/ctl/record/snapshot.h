@@ -1,7 +1,4 @@
-/* snapshot.h - one step of a recording at one moment, ready to be drawn or exported.
- *
- * Threads: one.
- */
+/* snapshot.h - one step of a recording at one moment, ready to be drawn or exported. */
 #ifndef CTL_SNAPSHOT_H
 #define CTL_SNAPSHOT_H
 

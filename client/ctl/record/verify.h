@@ -4,8 +4,6 @@
  * Recompute every record and every number of an answer, and a sample of pairs that were
  * not reported, by exact rational arithmetic that shares nothing with the engine; say of
  * what else it was not checked.
- *
- * Threads: one.
  */
 #ifndef CTL_VERIFY_H
 #define CTL_VERIFY_H

@@ -3,8 +3,6 @@
  * An object has a mesh and its frames (meshframes.h). Those with several frames move
  * together; those with one stand. Where they come from: a scene file (man pccdctl, "Scene
  * files"), or the files of a command line.
- *
- * Threads: one.
  */
 #ifndef CTL_SCENE_H
 #define CTL_SCENE_H

@@ -2,8 +2,6 @@
  *
  * It comes from a URDF file, with what an SRDF file says of its pairs, or from a scene
  * file that has joints. Angles are in radians, lengths in the unit of the file.
- *
- * Threads: one.
  */
 #ifndef CTL_ROBOT_H
 #define CTL_ROBOT_H

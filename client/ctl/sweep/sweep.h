@@ -1,7 +1,4 @@
-/* sweep.h - `pccdctl sweep`: what meets while the joints of a mechanism move.
- *
- * Threads: one.
- */
+/* sweep.h - `pccdctl sweep`: what meets while the joints of a mechanism move. */
 #ifndef CTL_SWEEP_H
 #define CTL_SWEEP_H
 

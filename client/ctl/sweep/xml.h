@@ -2,8 +2,6 @@
  *
  * What is wrong is told once, with the line: the first text is in `error`, its status in
  * `status`. Who goes on to use what was read looks there.
- *
- * Threads: one.
  */
 #ifndef CTL_XML_H
 #define CTL_XML_H
