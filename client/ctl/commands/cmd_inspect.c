@@ -157,7 +157,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     command.options.play.source = PLAY_DAEMON;
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;
-    command.options.play.show_near = inspect_near;
+    command.options.play.shows_near = true;
     if (option_parse(&ctl_table_inspect, argc, argv, &command) != 0) {
         return CTL_USAGE;
     }

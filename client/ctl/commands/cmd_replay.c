@@ -43,28 +43,14 @@ const struct option_table ctl_table_replay = {
                 "  pccdctl replay --keep-going --steps 100.. run.rec\n",
 };
 
-static int tell(struct replay *replay, const struct replay_item *item)
-{
-    replay_count(&replay->counts, item);
-    return item->outcome != REPLAY_DIFFERS || replay->goes_on ? PCCD_OK
-                                                              : PCCD_E_CANCELLED;
-}
-
 static int compare(void *context, const struct play_step *step, struct ctl_error *error)
 {
+    struct replay *replay = context;
     struct replay_item item;
     (void)error;
-    replay_judge_step(step, &item);
-    return tell(context, &item);
-}
-
-static int compare_near(void *context, const struct play_near *near,
-                        struct ctl_error *error)
-{
-    struct replay_item item;
-    (void)error;
-    replay_judge_near(near, &item);
-    return tell(context, &item);
+    replay_judge(step, &item);
+    replay_count(&replay->counts, &item);
+    return item.outcome != REPLAY_DIFFERS || replay->goes_on ? PCCD_OK : PCCD_E_CANCELLED;
 }
 
 int ctl_cmd_replay(int argc, char **argv)
@@ -75,7 +61,7 @@ int ctl_cmd_replay(int argc, char **argv)
     int status;
     play_options_init(&replay.options, "steps");
     replay.options.play.source = PLAY_DAEMON;
-    replay.options.play.show_near = compare_near;
+    replay.options.play.shows_near = true;
     if (option_parse(&ctl_table_replay, argc, argv, &replay) != 0) {
         return CTL_USAGE;
     }

@@ -102,13 +102,6 @@ static int check(void *context, const struct play_step *step, struct ctl_error *
         error);
 }
 
-static int check_near(void *context, const struct play_near *near,
-                      struct ctl_error *error)
-{
-    struct verification *verification = context;
-    return add(verification, verify_distances(near, &verification->result, error), error);
-}
-
 static void skip(void *context, uint64_t step, bool is_near)
 {
     struct verification *verification = context;
@@ -145,7 +138,7 @@ static int verify_recording(int argc, char **argv)
     struct ctl_error error = {.text = ""};
     play_options_init(&verification.options, "steps");
     verification.options.play.needs_records = true;
-    verification.options.play.show_near = check_near;
+    verification.options.play.shows_near = true;
     verification.options.play.show_skipped = skip;
     if (option_parse(&ctl_table_verify, argc, argv, &verification) != 0) {
         return CTL_USAGE;

@@ -160,24 +160,27 @@ static const char *compare(int32_t then_status, uint32_t then_incomplete,
     return is_same ? "same" : "other";
 }
 
-static const char *compare_step(const struct play_step *step)
-{
-    const struct record_answer *then = step->recorded;
-    uint64_t hash[2];
-    play_hash(step, hash);
-    return then == NULL
-               ? "none"
-               : compare(then->status, then->incomplete, then->hash, step->answer, hash);
-}
-
 /* With a gap any pair will do. */
-static const char *compare_near(const struct play_near *near)
+static const char *compare_near(const struct play_step *near)
 {
-    const struct record_near_answer *then = near->recorded;
+    const struct record_near_answer *then = near->recorded_near;
     return then == NULL || play_has_gap(near->asked)
                ? "none"
                : compare(then->status, then->incomplete, then->hash, near->answer,
                          near->answer->hash);
+}
+
+static const char *compare_step(const struct play_step *step)
+{
+    const struct record_answer *then = step->recorded;
+    uint64_t hash[2];
+    if (step->asked != NULL) {
+        return compare_near(step);
+    }
+    play_hash(step, hash);
+    return then == NULL
+               ? "none"
+               : compare(then->status, then->incomplete, then->hash, step->answer, hash);
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
@@ -332,7 +335,7 @@ static int find_edges(const struct registry_scene *scene, struct ctl_error *erro
 }
 
 /* As a step in which nothing moves, with lines in the place of contacts. */
-static json_t *describe_near(struct inspect *inspect, const struct play_near *near,
+static json_t *describe_near(struct inspect *inspect, const struct play_step *near,
                              const char *compared, json_t *meshes)
 {
     bool ok = true;
@@ -371,26 +374,6 @@ static json_t *describe_near(struct inspect *inspect, const struct play_near *ne
     return object;
 }
 
-int inspect_near(void *context, const struct play_near *near, struct ctl_error *error)
-{
-    struct inspect *inspect = context;
-    if (near->scene == NULL || near->answer == NULL) {
-        return PCCD_OK;
-    }
-    const char *compared = compare_near(near);
-    inspect->differ += strcmp(compared, "other") == 0;
-    if (!is_chosen(inspect, near->scene)) {
-        return PCCD_OK;
-    }
-    int status = find_edges(near->scene, error);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    json_t *meshes = json_array();
-    return add(inspect, near->number, describe_near(inspect, near, compared, meshes),
-               meshes, error);
-}
-
 int inspect_step(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct inspect *inspect = context;
@@ -399,7 +382,9 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     }
     const char *compared = compare_step(step);
     inspect->differ += strcmp(compared, "other") == 0;
-    add_motion(inspect, step->scene);
+    if (step->asked == NULL) {
+        add_motion(inspect, step->scene);
+    }
     if (!is_chosen(inspect, step->scene)) {
         return PCCD_OK;
     }
@@ -411,8 +396,9 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
         memcpy(inspect->no_lanes, step->trace->text, sizeof inspect->no_lanes);
     }
     json_t *meshes = json_array();
-    return add(inspect, step->number, describe(inspect, step, compared, meshes), meshes,
-               error);
+    json_t *object = step->asked != NULL ? describe_near(inspect, step, compared, meshes)
+                                         : describe(inspect, step, compared, meshes);
+    return add(inspect, step->number, object, meshes, error);
 }
 
 /* ---- the end ----------------------------------------------------------------------- */

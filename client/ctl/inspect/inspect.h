@@ -139,7 +139,7 @@ json_t *inspect_pack_joints(struct inspect *inspect,
  * t = 0. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
 /* Return {"at", "count"} of what is near. */
-json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near);
+json_t *inspect_pack_lines(struct inspect *inspect, const struct play_step *near);
 /* Return {"at", "count", "threads", "ns", "lost"}, or null: it was not recorded. */
 json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);
 /* Return {TREE: [{"at", "count"}], ..} of what the step used, each level, the root
@@ -167,18 +167,16 @@ int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
                        struct ctl_error *error);
 int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
                  struct page_file *page, struct ctl_error *error);
-/* Add a step to the page, as a play_fn whose context is the inspect. Ends the playing
- * when the file is full. */
+/* Add a step or a question about what is near to the page, as a play_fn whose context is
+ * the inspect. Ends the playing when the file is full. */
 int inspect_step(void *inspect, const struct play_step *step, struct ctl_error *error);
-/* Add a question about what is near, as inspect_step does a step; a play_near_fn. */
-int inspect_near(void *inspect, const struct play_near *near, struct ctl_error *error);
 /* Write the rest of the file. `name`: of the recording; any bytes. */
 int inspect_finish(struct inspect *inspect, const char *name,
                    const struct play_summary *summary, struct ctl_error *error);
 void inspect_deinit(struct inspect *inspect);
 
-/* Adds the steps of a page to it, by inspect_step and inspect_near; *all: how many they
- * are, if there were room. Called once more where there was not. */
+/* Adds the steps of a page to it, by inspect_step; *all: how many they are, if there were
+ * room. Called once more where there was not. */
 typedef int (*inspect_fill_fn)(void *context, struct inspect *inspect,
                                struct play_summary *summary, uint64_t *all,
                                struct ctl_error *error);

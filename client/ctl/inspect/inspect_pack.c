@@ -428,15 +428,15 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
     return to != NULL ? counted(inspect, offset, packed) : NULL;
 }
 
-json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near)
+json_t *inspect_pack_lines(struct inspect *inspect, const struct play_step *near)
 {
-    uint64_t count = near->records != NULL ? near->found.count : 0;
+    uint64_t count = near->nears != NULL ? near->found.count : 0;
     size_t offset = 0;
     uint64_t packed = 0;
     uint16_t a = 0, b = 0;
     struct inspect_line *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint64_t i = 0; to != NULL && i < count; i++) {
-        const struct pccd_near *from = &near->records[i];
+        const struct pccd_near *from = &near->nears[i];
         double ends[2][3];
         if (!find_object(near->scene, from->object_a, &a) ||
             !find_object(near->scene, from->object_b, &b) ||

@@ -226,67 +226,73 @@ static bool has_lengths(const struct recorded_item *item)
 
 /* ---- showing ----------------------------------------------------------------------- */
 
-static int show_step(struct play_reader *reader, uint64_t then_ns,
-                     const struct pccd_answer *answer, const struct registry_scene *scene,
-                     const struct play_found *found, struct ctl_error *error)
+static void describe_step(const struct play_reader *reader, struct play_step *step)
 {
     const struct recorded_item *item = &reader->item;
     const struct record_answer *then = answers_find(&reader->answers, item->number);
+    const struct pccd_answer *answer = step->answer;
     uint32_t mode = answer != NULL ? (uint32_t)answer->mode
                     : then != NULL ? then->mode
                                    : 0;
-    bool is_pairs = mode == PCCD_MODE_PAIRS;
-    bool is_old = item->frame.mode == PCCD_MODE_PAIRS &&
-                  (reader->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
-    bool is_traced = answer != NULL && reader->settings.is_traced;
-    if (!recorded_joints_of(item, &reader->joints)) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for joints");
+    step->frame = &item->frame;
+    step->separation = item->separation;
+    step->tells_start = item->tells;
+    step->touching = item->touching;
+    step->resolution = item->resolution;
+    step->joints = reader->joints;
+    step->recorded = then;
+    step->hash_version = record_reader_hash_version(&reader->chunks);
+    if (mode == PCCD_MODE_PAIRS) {
+        step->pairs = step->found.records;
+    } else {
+        step->contacts = step->found.records;
     }
-    uint64_t told = reader->settings.number;
-    const struct play_step step = {
-        .number = told != 0 ? told : item->number,
-        .time_ns = then_ns,
-        .frame = &item->frame,
-        .separation = item->separation,
-        .tells_start = item->tells,
-        .touching = item->touching,
-        .resolution = item->resolution,
-        .joints = reader->joints,
-        .scene = scene,
-        .recorded = then,
-        .hash_version = record_reader_hash_version(&reader->chunks),
-        .answer = answer,
-        .found = *found,
-        .contacts = is_pairs ? NULL : found->records,
-        .pairs = is_pairs ? found->records : NULL,
-        .has_old_pairs = is_old,
-        .has_other_pairs = answer != NULL && is_old,
-        .client = answer != NULL ? reader->replayer.client : NULL,
-        .trace = is_traced ? &reader->trace : NULL};
-    return reader->show(reader->context, &step, error);
+    step->has_old_pairs = item->frame.mode == PCCD_MODE_PAIRS &&
+                          (reader->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
+    step->has_other_pairs = answer != NULL && step->has_old_pairs;
+    if (answer != NULL) {
+        step->client = reader->replayer.client;
+        step->trace = reader->settings.is_traced ? &reader->trace : NULL;
+    }
 }
 
-static int show_near(struct play_reader *reader, const struct pccd_answer *answer,
-                     const struct registry_scene *scene, const struct play_found *found,
-                     struct ctl_error *error)
+static void describe_near(const struct play_reader *reader, struct play_step *step)
 {
     const struct recorded_item *item = &reader->item;
     const struct record_near_answer *then =
         answers_find_near(&reader->answers, item->number);
-    uint32_t what = answer != NULL ? (uint32_t)answer->what
-                    : then != NULL ? then->what
-                                   : 0;
-    bool is_bounds = what == PCCD_NEAR_VERTICES;
-    const struct play_near near = {.number = item->number,
-                                   .asked = &item->near,
-                                   .tells_crossings = item->tells,
-                                   .scene = scene,
-                                   .recorded = then,
-                                   .answer = answer,
-                                   .found = *found,
-                                   .records = is_bounds ? NULL : found->records,
-                                   .bounds = is_bounds ? found->records : NULL};
-    return reader->settings.show_near(reader->context, &near, error);
+    uint32_t what = step->answer != NULL ? (uint32_t)step->answer->what
+                    : then != NULL       ? then->what
+                                         : 0;
+    step->asked = &item->near;
+    step->tells_crossings = item->tells;
+    step->recorded_near = then;
+    if (what == PCCD_NEAR_VERTICES) {
+        step->bounds = step->found.records;
+    } else {
+        step->nears = step->found.records;
+    }
+}
+
+static int show(struct play_reader *reader, uint64_t then_ns,
+                const struct pccd_answer *answer, const struct registry_scene *scene,
+                const struct play_found *found, struct ctl_error *error)
+{
+    const struct recorded_item *item = &reader->item;
+    uint64_t told = item->is_near ? 0 : reader->settings.number;
+    struct play_step step = {.number = told != 0 ? told : item->number,
+                             .time_ns = then_ns,
+                             .scene = scene,
+                             .answer = answer,
+                             .found = *found};
+    if (item->is_near) {
+        describe_near(reader, &step);
+    } else if (recorded_joints_of(item, &reader->joints)) {
+        describe_step(reader, &step);
+    } else {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for joints");
+    }
+    return reader->show(reader->context, &step, error);
 }
 
 /* ---- items ------------------------------------------------------------------------- */
@@ -344,9 +350,7 @@ static int show_item(struct play_reader *reader, const struct record_view *view,
     if (scene != NULL) {
         registry_pairs_settle(&scene->pairs); /* who may meet is asked for */
     }
-    return reader->item.is_near
-               ? show_near(reader, answer, scene, &found, error)
-               : show_step(reader, view->time_ns, answer, scene, &found, error);
+    return show(reader, view->time_ns, answer, scene, &found, error);
 }
 
 /* The item that is read, which `view` has brought. */
@@ -364,7 +368,7 @@ static int follow_item(struct play_reader *reader, const struct record_view *vie
     reader->last_step = item->number;
     progress_update(&reader->progress, item->number);
     const struct play_settings *settings = &reader->settings;
-    bool shows = is_wanted(reader) && (!item->is_near || settings->show_near != NULL);
+    bool shows = is_wanted(reader) && (!item->is_near || settings->shows_near);
     reader->wanted += shows;
     if (!is_repeatable(then)) { /* it had failed by chance */
         reader->summary->skipped++;
@@ -507,7 +511,7 @@ static void choose_last(struct play_reader *reader)
 {
     struct play_settings *settings = &reader->settings;
     const struct answers *answers = &reader->answers;
-    bool is_near = settings->show_near != NULL;
+    bool is_near = settings->shows_near;
     for (size_t i = is_near ? answers->near_count : answers->count; i > 0; i--) {
         uint64_t step = is_near ? answers->nears[i - 1].step : answers->items[i - 1].step;
         int32_t status =

@@ -46,21 +46,28 @@ struct play_found {
     bool is_torn;         /* pages that were fetched twice were not the same */
 };
 
-/* A step, when it has been answered. */
+/* A step, or a question about what is near, when it has been answered. */
 struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
+    const struct registry_scene *scene; /* after the movement, if it had one */
+    const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
+    struct play_found found;
+    /* A question. */
+    const struct record_near *asked; /* NULL: it is a step */
+    const struct record_near_answer *recorded_near; /* NULL: there was none */
+    bool tells_crossings;                           /* they were asked for, too */
+    const struct pccd_near *nears; /* found.records; NULL of VERTICES */
+    const double *bounds;          /* found.records; NULL of any other question */
+    /* A step. */
     const struct record_frame *frame;
     struct record_separation separation;
     bool tells_start;              /* it was asked how it begins */
     uint32_t touching;             /* enum pccd_touching */
     double resolution;             /* of bodies that turn; 0: the default */
     struct recorded_joints joints; /* on which they turn (registry_object: turned) */
-    const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */
-    const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
-    struct play_found found;
     const struct pccd_contact *contacts; /* found.records; NULL in mode pairs */
     const struct pccd_pair *pairs;       /* found.records; NULL in any other mode */
     /* Mode pairs was recorded by another rule than that of today (RECORD_EXACT_PAIRS),
@@ -74,21 +81,6 @@ struct play_step {
 /* Return PCCD_OK to go on, PCCD_E_CANCELLED to end well, else an error. */
 typedef int (*play_fn)(void *context, const struct play_step *step,
                        struct ctl_error *error);
-
-/* A question about what is near, when it has been answered. */
-struct play_near {
-    uint64_t number; /* the client's, among its steps */
-    const struct record_near *asked;
-    bool tells_crossings;                      /* they were asked for, too */
-    const struct registry_scene *scene;        /* after the movement, if it had one */
-    const struct record_near_answer *recorded; /* NULL: there was none */
-    const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
-    struct play_found found;
-    const struct pccd_near *records; /* found.records; NULL of VERTICES */
-    const double *bounds;            /* found.records; NULL of any other question */
-};
-typedef int (*play_near_fn)(void *context, const struct play_near *near,
-                            struct ctl_error *error);
 
 /* A step or question that is not shown, because it had failed by chance. */
 typedef void (*play_skip_fn)(void *context, uint64_t number, bool is_near);
@@ -106,7 +98,7 @@ struct play_settings {
     bool needs_records;
     bool is_traced; /* steps that a daemon answers: with what its threads did */
     bool at_recorded_pace;
-    bool only_last; /* of these steps, or, with show_near, questions: the last that was
+    bool only_last; /* of these steps, or, with shows_near, questions: the last that was
                        answered */
     char *const *names;   /* of the objects of its scene, in the order of their handles */
     uint32_t name_count;  /* 0: they have none */
@@ -115,8 +107,8 @@ struct play_settings {
     enum pccd_method method; /* 0: as recorded */
     uint32_t threads;        /* 0: as recorded */
     const char *label;       /* of the progress bar */
-    play_near_fn show_near; /* as play's `show`; NULL: what is near is not shown, and only
-                                asked again where it moves something */
+    bool shows_near; /* questions about what is near are shown, too; else they are only
+                        asked again where they move something */
     play_skip_fn show_skipped; /* NULL: it is not told */
     play_next_fn next;         /* NULL: all steps of the range are shown */
 };

@@ -84,34 +84,10 @@ static void judge(struct replay_item *item, enum replay_what what)
     item->what = what == WHAT_NOTHING ? 0 : (uint32_t)what;
 }
 
-void replay_judge_step(const struct play_step *step, struct replay_item *item)
+static enum replay_what near_difference(const struct play_step *near)
 {
-    const struct record_answer *then = step->recorded;
-    const struct pccd_answer *now = step->answer;
-    uint64_t hash[2];
-    memset(item, 0, sizeof *item); /* all of it goes to other processes */
-    play_hash(step, hash);
-    item->step = step->number;
-    item->hash_version = step->hash_version;
-    item->got = side_of(now->status, now->total, hash, now->toi_first);
-    if (then == NULL) {
-        item->outcome = REPLAY_UNANSWERED;
-        return;
-    }
-    item->expected = side_of(then->status, then->total, then->hash, then->toi_first);
-    if (!play_is_complete(then->incomplete) ||
-        !play_is_complete((uint32_t)now->incomplete)) {
-        item->outcome = REPLAY_INCOMPLETE;
-    } else if (step->has_other_pairs) {
-        item->outcome = REPLAY_OTHER_PAIRS;
-    } else {
-        judge(item, difference(step, hash));
-    }
-}
-
-static enum replay_what near_difference(const struct record_near_answer *then,
-                                        const struct pccd_answer *now)
-{
+    const struct record_near_answer *then = near->recorded_near;
+    const struct pccd_answer *now = near->answer;
     if (then->status != now->status) {
         return WHAT_STATUS;
     }
@@ -135,26 +111,37 @@ static enum replay_what near_difference(const struct record_near_answer *then,
     return then->verdict != (uint32_t)now->verdict ? WHAT_VERDICT : WHAT_NOTHING;
 }
 
-void replay_judge_near(const struct play_near *near, struct replay_item *item)
+void replay_judge(const struct play_step *step, struct replay_item *item)
 {
-    const struct record_near_answer *then = near->recorded;
-    const struct pccd_answer *now = near->answer;
-    memset(item, 0, sizeof *item);
-    item->step = near->number;
-    item->is_near = true;
-    item->hash_version = PCCD_HASH_VERSION;
-    item->got = side_of(now->status, now->total, now->hash, 0);
-    if (then == NULL) {
+    const struct record_answer *then = step->recorded;
+    const struct record_near_answer *then_near = step->recorded_near;
+    const struct pccd_answer *now = step->answer;
+    uint64_t hash[2] = {now->hash[0], now->hash[1]};
+    bool is_near = step->asked != NULL;
+    memset(item, 0, sizeof *item); /* all of it goes to other processes */
+    if (!is_near) {
+        play_hash(step, hash);
+    }
+    item->step = step->number;
+    item->is_near = is_near;
+    item->hash_version = is_near ? PCCD_HASH_VERSION : step->hash_version;
+    item->got = side_of(now->status, now->total, hash, is_near ? 0 : now->toi_first);
+    if (then == NULL && then_near == NULL) {
         item->outcome = REPLAY_UNANSWERED;
         return;
     }
-    item->expected = side_of(then->status, then->total, then->hash, 0);
+    item->expected =
+        is_near ? side_of(then_near->status, then_near->total, then_near->hash, 0)
+                : side_of(then->status, then->total, then->hash, then->toi_first);
     /* With a gap any pair within it is right. */
-    if (!play_is_complete(then->incomplete) ||
-        !play_is_complete((uint32_t)now->incomplete) || play_has_gap(near->asked)) {
+    if (!play_is_complete(is_near ? then_near->incomplete : then->incomplete) ||
+        !play_is_complete((uint32_t)now->incomplete) ||
+        (is_near && play_has_gap(step->asked))) {
         item->outcome = REPLAY_INCOMPLETE;
+    } else if (step->has_other_pairs) {
+        item->outcome = REPLAY_OTHER_PAIRS;
     } else {
-        judge(item, near_difference(then, now));
+        judge(item, is_near ? near_difference(step) : difference(step, hash));
     }
 }
 

@@ -47,8 +47,7 @@ struct replay_item {
 #define REPLAY_WHAT_COUNT 8
 extern const char *const replay_whats[REPLAY_WHAT_COUNT];
 
-void replay_judge_step(const struct play_step *step, struct replay_item *item);
-void replay_judge_near(const struct play_near *near, struct replay_item *item);
+void replay_judge(const struct play_step *step, struct replay_item *item);
 
 struct replay_counts {
     uint64_t of[REPLAY_OUTCOME_COUNT];

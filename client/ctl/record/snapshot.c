@@ -465,11 +465,12 @@ static bool place_line(const struct snapshot *snapshot,
     return true;
 }
 
-static int take_near(void *context, const struct play_near *near, struct ctl_error *error)
+/* Steps are passed by. */
+static int take_near(void *context, const struct play_step *near, struct ctl_error *error)
 {
     struct taking *taking = context;
     struct snapshot *snapshot = taking->snapshot;
-    if (near->scene == NULL) {
+    if (near->scene == NULL || near->asked == NULL) {
         return PCCD_OK;
     }
     begin_snapshot(taking, near->number);
@@ -480,23 +481,14 @@ static int take_near(void *context, const struct play_near *near, struct ctl_err
     }
     int status = take_objects(taking, near->scene, NULL, error);
     for (uint64_t i = 0;
-         status == PCCD_OK && near->records != NULL && i < near->found.count; i++) {
+         status == PCCD_OK && near->nears != NULL && i < near->found.count; i++) {
         snapshot->line_count +=
-            place_line(snapshot, near->scene, &near->records[i], near->asked->end,
+            place_line(snapshot, near->scene, &near->nears[i], near->asked->end,
                        &snapshot->lines[snapshot->line_count]);
     }
     find_extent(snapshot);
     taking->is_taken = status == PCCD_OK;
     return status;
-}
-
-/* Steps are passed by. */
-static int pass(void *context, const struct play_step *step, struct ctl_error *error)
-{
-    (void)context;
-    (void)step;
-    (void)error;
-    return PCCD_OK;
 }
 
 int snapshot_take_near(const struct play_settings *settings, struct snapshot *snapshot,
@@ -506,8 +498,8 @@ int snapshot_take_near(const struct play_settings *settings, struct snapshot *sn
     struct taking taking = {
         .settings = settings, .snapshot = snapshot, .summary = summary};
     memset(snapshot, 0, sizeof *snapshot);
-    asked.show_near = take_near;
-    int status = play(&asked, pass, &taking, summary, error);
+    asked.shows_near = true;
+    int status = play(&asked, take_near, &taking, summary, error);
     if (status == PCCD_OK && !taking.is_taken) {
         status = ctl_error_set(error, PCCD_E_INVAL,
                                "%s: nobody asked what is near in that part of it",

@@ -74,13 +74,10 @@ struct verify_result {
     struct verify_witness witness;
 };
 
-/* Check a step, all of its answer but for what was measured (times, counters, threads,
- * the method). PCCD_OK with *result, else an error. */
+/* Check a step or a question, all of its answer but for what was measured (times,
+ * counters, threads, the method). PCCD_OK with *result, else an error. */
 int verify_step(const struct play_step *step, const struct verify_settings *settings,
                 struct verify_result *result, struct ctl_error *error);
-/* Check an answer about what is near, as verify_step does (verify_distance.c). */
-int verify_distances(const struct play_near *near, struct verify_result *result,
-                     struct ctl_error *error);
 /* Say that a step or question was not checked: it was not repeated, because it had failed
  * by chance. */
 void verify_skip(uint64_t step, bool is_near, struct verify_result *result);
@@ -94,6 +91,9 @@ struct verify_start {
 
 /* ---- parts of it; false: wrong, and the result says how ---------------------------- */
 
+/* Check an answer about what is near, for verify_step (verify_distance.c). */
+int verify_distances(const struct play_step *near, struct verify_result *result,
+                     struct ctl_error *error);
 /* Check the numbers of an answer against its records (verify_numbers.c). */
 bool verify_numbers(const struct play_step *step, struct verify_result *result);
 /* Check a sample of pairs near each other that are not in the answer (verify_near.c). */

@@ -15,7 +15,7 @@
 #define DECISIONS_MAX 4000000u /* exact ones for one answer: a minute */
 
 struct judge {
-    const struct play_near *near;
+    const struct play_step *near;
     struct verify_result *result;
     /* What the answer must say beside its records. */
     uint32_t verdict;
@@ -113,7 +113,7 @@ struct numbers {
  * it. */
 static const char *check_recorded(const struct judge *judge, const struct numbers *is)
 {
-    const struct record_near_answer *then = judge->near->recorded;
+    const struct record_near_answer *then = judge->near->recorded_near;
     struct record_near_answer must = {.step = judge->near->number,
                                       .status = PCCD_OK,
                                       .what = judge->near->asked->what,
@@ -168,8 +168,8 @@ static const char *check_daemon(const struct judge *judge, const struct numbers 
  * so the numbers, of two right answers may differ. */
 static bool check_numbers(struct judge *judge, const struct numbers *is)
 {
-    const struct play_near *near = judge->near;
-    const struct record_near_answer *then = near->recorded;
+    const struct play_step *near = judge->near;
+    const struct record_near_answer *then = near->recorded_near;
     const char *name = near->answer != NULL ? check_daemon(judge, is) : NULL;
     bool is_other = near->answer != NULL && play_has_gap(near->asked);
     if (name == NULL && then != NULL) {
@@ -193,17 +193,17 @@ static bool check_numbers(struct judge *judge, const struct numbers *is)
 /* By records. */
 static bool check_sums(struct judge *judge)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     struct numbers is = {.total = near->found.count, .distance_min = 2e18};
-    record_answer_hash(PCCD_HASH_VERSION, near->records, near->found.count,
-                       sizeof *near->records, is.hash);
+    record_answer_hash(PCCD_HASH_VERSION, near->nears, near->found.count,
+                       sizeof *near->nears, is.hash);
     if (play_has_gap(near->asked)) {
         memset(is.hash, 0, sizeof is.hash);
     }
     for (uint64_t i = 0; i < near->found.count; i++) {
-        is.counts[near->records[i].kind]++; /* it was found right */
-        is.distance_min = fmin(is.distance_min, near->records[i].d_lo);
-        is.distance_max = fmax(is.distance_max, near->records[i].d_hi);
+        is.counts[near->nears[i].kind]++; /* it was found right */
+        is.distance_min = fmin(is.distance_min, near->nears[i].d_lo);
+        is.distance_max = fmax(is.distance_max, near->nears[i].d_hi);
     }
     return check_numbers(judge, &is);
 }
@@ -211,9 +211,9 @@ static bool check_sums(struct judge *judge)
 /* Every record and nothing else. */
 static bool check_records(struct judge *judge, const struct oracle_nears *truth)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     for (uint64_t i = 0; i < near->found.count && i < truth->count; i++) {
-        const struct pccd_near *is = &near->records[i], *must = &truth->items[i].record;
+        const struct pccd_near *is = &near->nears[i], *must = &truth->items[i].record;
         if (memcmp(is, must, sizeof *is) != 0) {
             char what[160];
             (void)snprintf(what, sizeof what,
@@ -244,7 +244,7 @@ static bool check_object(struct judge *judge, const struct oracle_nears *pairs,
                          uint32_t object, struct record_bound *records, uint64_t *at,
                          struct numbers *is)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     const struct oracle_object *of = &judge->objects[object];
     uint32_t only = near->asked->objects[0];
     bool is_asked = only == 0 || only == of->object_id;
@@ -278,7 +278,7 @@ static bool check_object(struct judge *judge, const struct oracle_nears *pairs,
 /* One after the other, of all objects or of the one that was asked for. */
 static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     struct numbers is = {.total = near->found.count, .distance_min = 2e18};
     struct record_bound *records = malloc((near->found.count + 1) * sizeof *records);
     uint64_t at = 0;
@@ -300,10 +300,10 @@ static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
 /* Check how many edges pass through faces. */
 static bool check_count(struct judge *judge, uint64_t crossings)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     char what[120];
     uint64_t said =
-        near->answer != NULL ? near->answer->crossings : near->recorded->crossings;
+        near->answer != NULL ? near->answer->crossings : near->recorded_near->crossings;
     judge->crossings = crossings;
     (void)snprintf(what, sizeof what,
                    "%" PRIu64 " edges pass through faces, exact: %" PRIu64, said,
@@ -315,11 +315,12 @@ static bool check_count(struct judge *judge, uint64_t crossings)
 static bool check_crossings(struct judge *judge, const struct oracle_nears *crossings,
                             const struct oracle_nears *touching)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     bool intersects = crossings->count + touching->count > 0;
     judge->verdict = intersects ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
     uint32_t verdict =
-        near->answer != NULL ? (uint32_t)near->answer->verdict : near->recorded->verdict;
+        near->answer != NULL ? (uint32_t)near->answer->verdict
+                             : near->recorded_near->verdict;
     if (verdict != judge->verdict) {
         return wrong(judge,
                      intersects ? "something intersects or touches, and it says no"
@@ -354,9 +355,9 @@ static bool is_within_gap(const struct oracle_near *is, const struct oracle_near
  * numbers long, and no farther than the nearest by more than the gap. */
 static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth)
 {
-    const struct play_near *near = judge->near;
+    const struct play_step *near = judge->near;
     for (uint64_t i = 0; i < near->found.count; i++) {
-        const struct pccd_near *is = &near->records[i];
+        const struct pccd_near *is = &near->nears[i];
         struct oracle_near must, before;
         size_t at = 0;
         while (at < truth->count && !are_of_one_pair(is, &truth->items[at].record)) {
@@ -372,7 +373,7 @@ static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth
         if (!is_within_gap(&must, &truth->items[at], near->asked)) {
             return wrong(judge, "another pair is nearer by more than the gap", i);
         }
-        before.record = near->records[i > 0 ? i - 1 : 0];
+        before.record = near->nears[i > 0 ? i - 1 : 0];
         if (i > 0 && oracle_near_compare(&before, &must) >= 0) {
             return wrong(judge, "it does not come after the one before", i);
         }
@@ -471,7 +472,7 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
 {
     const struct pccd_answer *now = step->answer;
     const struct record_near asked = {.what = PCCD_NEAR_PAIRS, .end = 0};
-    const struct play_near near = {.asked = &asked, .scene = step->scene};
+    const struct play_step near = {.asked = &asked, .scene = step->scene};
     struct judge judge = {.near = &near, .result = result};
     *start = (struct verify_start){.is_known = false};
     if (!step->tells_start) {
@@ -520,9 +521,9 @@ static bool is_bare(const struct record_near_answer *answer)
 }
 
 /* Return why the answers to a question cannot be; NULL: they can. */
-static const char *misfit(const struct play_near *near)
+static const char *misfit(const struct play_step *near)
 {
-    const struct record_near_answer *then = near->recorded;
+    const struct record_near_answer *then = near->recorded_near;
     const struct pccd_answer *now = near->answer;
     if (now != NULL && then != NULL && now->status != then->status) {
         return "the recorded status is not that of a daemon";
@@ -552,9 +553,9 @@ static const char *misfit(const struct play_near *near)
     return NULL;
 }
 
-static bool can_check(const struct play_near *near, struct verify_result *result)
+static bool can_check(const struct play_step *near, struct verify_result *result)
 {
-    const struct record_near_answer *then = near->recorded;
+    const struct record_near_answer *then = near->recorded_near;
     const struct pccd_answer *now = near->answer;
     if (now == NULL && then == NULL) {
         verify_leave(result, "it has no answer");
@@ -575,7 +576,7 @@ static bool can_check(const struct play_near *near, struct verify_result *result
     return result->unchecked[0] == '\0';
 }
 
-int verify_distances(const struct play_near *near, struct verify_result *result,
+int verify_distances(const struct play_step *near, struct verify_result *result,
                      struct ctl_error *error)
 {
     struct judge judge = {.near = near, .result = result, .verdict = PCCD_VERDICT_NONE};

@@ -74,17 +74,6 @@ static int show_step(void *context, const struct play_step *step, struct ctl_err
     return status;
 }
 
-static int show_near(void *context, const struct play_near *near, struct ctl_error *error)
-{
-    struct recordings *all = context;
-    unsigned char result[DEAL_RESULT_BYTES] = {0};
-    int status = all->work->near(all->work->context, near, result, error);
-    if (status == PCCD_OK) {
-        put(all, result);
-    }
-    return status;
-}
-
 static int compute(void *context, struct deal *deal, struct ctl_error *error)
 {
     struct recordings *all = context;
@@ -150,7 +139,7 @@ static int open_files(struct recordings *all, struct ctl_error *error)
     }
     settings.link = &options->link;
     settings.next = next_place;
-    settings.show_near = show_near;
+    settings.shows_near = true;
     settings.threads = settings.threads > 0 ? settings.threads : all->threads;
     for (uint32_t i = 0; i < options->files.count; i++) {
         struct recording *file = &all->files[i];

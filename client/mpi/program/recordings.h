@@ -1,6 +1,6 @@
 /* recordings.h - the steps of recordings, each done by one of the ranks.
  *
- * Threads: as deal.h says: `step`, `near` and `skip` in the thread that computes.
+ * Threads: as deal.h says: `step` and `skip` in the thread that computes.
  *
  * An item (deal.h) is a step or a question about what is near: of two recordings with 10
  * and 20 steps, item 12 is the third step of the second one. Each rank reads the files
@@ -27,8 +27,6 @@ struct recordings_work {
     size_t result_bytes; /* at most DEAL_RESULT_BYTES */
     void *context;
     int (*step)(void *context, const struct play_step *step, void *result,
-                struct ctl_error *error);
-    int (*near)(void *context, const struct play_near *near, void *result,
                 struct ctl_error *error);
     /* A step that is not repeated, because it had failed by chance. */
     void (*skip)(void *context, const struct answers_asked *asked, void *result);

@@ -41,16 +41,7 @@ static int judge_step(void *context, const struct play_step *step, void *result,
 {
     (void)context;
     (void)error;
-    replay_judge_step(step, result);
-    return PCCD_OK;
-}
-
-static int judge_near(void *context, const struct play_near *near, void *result,
-                      struct ctl_error *error)
-{
-    (void)context;
-    (void)error;
-    replay_judge_near(near, result);
+    replay_judge(step, result);
     return PCCD_OK;
 }
 
@@ -190,7 +181,6 @@ int program_replay(int argc, char **argv)
                                          .result_bytes = sizeof(struct replay_item),
                                          .context = &replay,
                                          .step = judge_step,
-                                         .near = judge_near,
                                          .skip = skip,
                                          .is_last = is_last,
                                          .line = line,

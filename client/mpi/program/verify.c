@@ -48,13 +48,6 @@ static int check(void *context, const struct play_step *step, void *result,
     return verify_step(step, &verification->checks.settings, result, error);
 }
 
-static int check_near(void *context, const struct play_near *near, void *result,
-                      struct ctl_error *error)
-{
-    (void)context;
-    return verify_distances(near, result, error);
-}
-
 static void skip(void *context, const struct answers_asked *asked, void *result)
 {
     (void)context;
@@ -159,7 +152,6 @@ int program_verify(int argc, char **argv)
                                          .result_bytes = sizeof(struct verify_result),
                                          .context = &verification,
                                          .step = check,
-                                         .near = check_near,
                                          .skip = skip,
                                          .is_last = is_last,
                                          .line = line,
