@@ -236,9 +236,8 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
     return PCCD_OK;
 }
 
-/* Judge a FRAME, or a MOVE, which has no number. */
-static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
-                       char text[RECORD_TEXT_BYTES])
+static int judge_motion(const void *payload, uint64_t bytes, bool is_numbered,
+                        char text[RECORD_TEXT_BYTES])
 {
     const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
     struct record_frame frame;
@@ -249,6 +248,16 @@ static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
     }
     return judge_segments(slot, bytes - sizeof frame, frame.segment_count, frame.step,
                           text);
+}
+
+static int judge_frame(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    return judge_motion(payload, bytes, true, text);
+}
+
+static int judge_move(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    return judge_motion(payload, bytes, false, text);
 }
 
 static int judge_near(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
@@ -308,17 +317,20 @@ static int judge_filter(const void *payload, uint64_t bytes, char text[RECORD_TE
                : bad(text, "a thickness that cannot be one");
 }
 
-/* Judge the handles of a scene that was made, or an object that was added: 0 names none.
- */
-static int judge_handles(uint16_t kind, const void *payload, char text[RECORD_TEXT_BYTES])
+static int judge_scene(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     struct record_scene scene;
+
+    (void)bytes;
+    memcpy(&scene, payload, sizeof scene);
+    return scene.scene != 0 ? PCCD_OK : bad(text, "a scene without handle");
+}
+
+static int judge_object(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
     struct record_object object;
 
-    if (kind == RECORD_SCENE) {
-        memcpy(&scene, payload, sizeof scene);
-        return scene.scene != 0 ? PCCD_OK : bad(text, "a scene without handle");
-    }
+    (void)bytes;
     memcpy(&object, payload, sizeof object);
     return object.scene != 0 && object.mesh != 0 && object.object != 0
                ? PCCD_OK
@@ -388,62 +400,67 @@ static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEX
     return PCCD_OK;
 }
 
-static int judge_clearance(const void *payload, char text[RECORD_TEXT_BYTES])
+static int judge_clearance(const void *payload, uint64_t bytes,
+                           char text[RECORD_TEXT_BYTES])
 {
     struct record_clearance is;
 
+    (void)bytes;
     memcpy(&is, payload, sizeof is);
     return is.a == is.b               ? bad(text, "a pair of one object")
            : !is_length(is.clearance) ? bad(text, "a clearance that is none")
                                       : PCCD_OK;
 }
 
-/* Return the bytes of the struct that a payload begins with; 0: any. is_all: it ends with
- * it. */
-static uint64_t head_bytes(uint16_t kind, bool *is_all)
+static int judge_tuning(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
-#define HEAD(name, type)                                                                 \
-    case RECORD_##name:                                                                  \
-        return sizeof(struct record_##type);
-    *is_all = true;
-    switch (kind) {
-        HEAD(BEGIN, begin)
-        HEAD(SCENE, scene)
-        HEAD(OBJECT, object)
-        HEAD(LOG, log)
-        HEAD(TUNING, tuning)
-        HEAD(SEPARATION, separation)
-        HEAD(TELLS, tells)
-        HEAD(TURNING, turning)
-        HEAD(CLEARANCE, clearance)
-        HEAD(ANSWER, answer)
-        HEAD(NEAR_ANSWER, near_answer)
-        HEAD(CANCEL, cancel)
-        HEAD(SCENE_GONE, gone)
-        HEAD(MESH_GONE, gone)
-        HEAD(OBJECT_GONE, gone)
-        HEAD(END, end)
-    default:
-        *is_all = false;
-    }
-    switch (kind) {
-        HEAD(MESH, mesh)
-        HEAD(PLACE, place)
-        HEAD(FRAME, frame)
-        HEAD(MOVE, frame)
-        HEAD(RADII, radii)
-        HEAD(FREE, free)
-        HEAD(GUEST, guest)
-        HEAD(RECORDS, records)
-        HEAD(NEAR, near)
-        HEAD(NEAR_RECORDS, records)
-        HEAD(PAIRS, pairs)
-    case RECORD_FILTER:
-        return RECORD_FILTER_BYTES;
-    default:
-        return 0;
-    }
+    return memchr(payload, '\0', bytes) != NULL ? PCCD_OK
+                                                : bad(text, "a tuning without an end");
+}
+
+/* How payloads of a kind begin. */
+static const struct form {
+    uint64_t head_bytes; /* of the struct that they begin with */
+    bool is_all;         /* they end with it */
+    int (*judge)(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES]);
+} forms[RECORD_KINDS_MAX] = {
+#define WHOLE(type, ...) {sizeof(struct record_##type), true, __VA_ARGS__}
+#define HEAD(type)       {sizeof(struct record_##type), false, judge_##type}
+    [RECORD_BEGIN] = WHOLE(begin),
+    [RECORD_SCENE] = WHOLE(scene, judge_scene),
+    [RECORD_OBJECT] = WHOLE(object, judge_object),
+    [RECORD_LOG] = WHOLE(log),
+    [RECORD_TUNING] = WHOLE(tuning, judge_tuning),
+    [RECORD_SEPARATION] = WHOLE(separation),
+    [RECORD_TELLS] = WHOLE(tells),
+    [RECORD_TURNING] = WHOLE(turning),
+    [RECORD_CLEARANCE] = WHOLE(clearance, judge_clearance),
+    [RECORD_ANSWER] = WHOLE(answer),
+    [RECORD_NEAR_ANSWER] = WHOLE(near_answer),
+    [RECORD_CANCEL] = WHOLE(cancel),
+    [RECORD_SCENE_GONE] = WHOLE(gone),
+    [RECORD_MESH_GONE] = WHOLE(gone),
+    [RECORD_OBJECT_GONE] = WHOLE(gone),
+    [RECORD_END] = WHOLE(end),
+    [RECORD_MESH] = HEAD(mesh),
+    [RECORD_PLACE] = HEAD(place),
+    [RECORD_FRAME] = HEAD(frame),
+    [RECORD_MOVE] = {sizeof(struct record_frame), false, judge_move},
+    [RECORD_RADII] = HEAD(radii),
+    [RECORD_FREE] = HEAD(free),
+    [RECORD_GUEST] = HEAD(guest),
+    [RECORD_RECORDS] = HEAD(records),
+    [RECORD_NEAR] = HEAD(near),
+    [RECORD_NEAR_RECORDS] = {sizeof(struct record_records), false, judge_near_records},
+    [RECORD_PAIRS] = HEAD(pairs),
+    [RECORD_FILTER] = {RECORD_FILTER_BYTES, false, judge_filter},
+#undef WHOLE
 #undef HEAD
+};
+
+static struct form form_of(uint16_t kind)
+{
+    return kind < RECORD_KINDS_MAX ? forms[kind] : (struct form){0, false, NULL};
 }
 
 /* ---- how long a payload can be ----------------------------------------------------- */
@@ -460,9 +477,8 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
         struct record_pairs pairs;
         struct record_records records; /* of what is near, too */
     } is;
-    bool is_all;
 
-    memcpy(&is, head, head_bytes(kind, &is_all));
+    memcpy(&is, head, form_of(kind).head_bytes);
     switch (kind) {
     case RECORD_MESH:
         return padded(is.mesh.vertex_count * common_vertex_bytes(is.mesh.format)) +
@@ -520,12 +536,12 @@ static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
 uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
                              uint64_t *wants)
 {
-    bool is_all;
-    uint64_t head = head_bytes(kind, &is_all);
+    const struct form form = form_of(kind);
+    const uint64_t head = form.head_bytes;
     uint64_t count;
 
     *wants = have;
-    if (is_all) {
+    if (form.is_all) {
         return head;
     }
     if (kind == RECORD_FILTER) { /* a later release may have a word for each bit */
@@ -555,47 +571,11 @@ uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES])
 {
-    bool is_all;
-    uint64_t head = head_bytes(kind, &is_all);
+    const struct form form = form_of(kind);
 
-    if (bytes < head || (is_all && bytes > head)) {
-        return bad(text,
-                   bytes < head ? "too short for its kind" : "too long for its kind");
+    if (bytes < form.head_bytes || (form.is_all && bytes > form.head_bytes)) {
+        return bad(text, bytes < form.head_bytes ? "too short for its kind"
+                                                 : "too long for its kind");
     }
-    switch (kind) {
-    case RECORD_MESH:
-        return judge_mesh(payload, bytes, text);
-    case RECORD_PLACE:
-        return judge_place(payload, bytes, text);
-    case RECORD_FRAME:
-    case RECORD_MOVE:
-        return judge_frame(payload, bytes, kind == RECORD_FRAME, text);
-    case RECORD_GUEST:
-        return judge_guest(payload, bytes, text);
-    case RECORD_RECORDS:
-        return judge_records(payload, bytes, text);
-    case RECORD_NEAR:
-        return judge_near(payload, bytes, text);
-    case RECORD_NEAR_RECORDS:
-        return judge_near_records(payload, bytes, text);
-    case RECORD_FILTER:
-        return judge_filter(payload, bytes, text);
-    case RECORD_SCENE:
-    case RECORD_OBJECT:
-        return judge_handles(kind, payload, text);
-    case RECORD_PAIRS:
-        return judge_pairs(payload, bytes, text);
-    case RECORD_CLEARANCE:
-        return judge_clearance(payload, text);
-    case RECORD_RADII:
-        return judge_radii(payload, bytes, text);
-    case RECORD_FREE:
-        return judge_free(payload, bytes, text);
-    case RECORD_TUNING:
-        return memchr(payload, '\0', sizeof(struct record_tuning)) != NULL
-                   ? PCCD_OK
-                   : bad(text, "a tuning without an end");
-    default:
-        return PCCD_OK;
-    }
+    return form.judge != NULL ? form.judge(payload, bytes, text) : PCCD_OK;
 }
