@@ -14,7 +14,6 @@
 #include "prng.h"
 #include "sections.h"
 #include "solve.h"
-#include "thick.h"
 
 #define PAIRS       2000u
 #define PAIRS_SMOKE 20u
@@ -154,10 +153,9 @@ static void draw(struct prng *prng, const struct family *family, double *pool,
 
 /* A pair, and what decides it. */
 struct pair {
-    struct eng_thick_query query; /* without thickness its `query` alone */
-    double d;                     /* distances: that it is asked for */
+    struct eng_query query;
+    double d; /* distances: that it is asked for */
     struct eng_exact *exact;
-    struct eng_thick *thick;
     struct eng_distances *distances;
 };
 
@@ -168,27 +166,21 @@ static const uint8_t rank[4] = {0, 1, 2, 3};
 static void decide(struct pair *pair)
 {
     struct eng_hit hit;
-    (void)eng_search(&pair->query.query, 1e-6, 1, pair->exact, &hit);
-}
-
-static void decide_thick(struct pair *pair)
-{
-    struct eng_hit hit;
-    (void)eng_thick_solve(pair->thick, pair->exact, &pair->query, 1e-6, 1, &hit);
+    (void)eng_search(&pair->query, 1e-6, 1, pair->exact, &hit);
 }
 
 static void find(struct pair *pair)
 {
     struct eng_distance distance;
-    eng_distance_find(pair->distances, pair->query.query.kind,
-                      (const double(*)[3])pair->query.query.x[0], rank, &distance);
+    eng_distance_find(pair->distances, pair->query.kind,
+                      (const double(*)[3])pair->query.x[0], rank, &distance);
     pair->d = fmin(distance.lo, 1e18); /* as hard to decide as any */
 }
 
 static void is_within(struct pair *pair)
 {
-    (void)eng_distance_within(pair->distances, pair->query.query.kind,
-                              (const double(*)[3])pair->query.query.x[0], pair->d);
+    (void)eng_distance_within(pair->distances, pair->query.kind,
+                              (const double(*)[3])pair->query.x[0], pair->d);
 }
 
 /* Microseconds of this thread: what others do meanwhile does not count, as it would in a
@@ -223,8 +215,8 @@ static void run_contacts(const struct family *family, uint32_t pairs, struct pai
     uint64_t end_ns = common_now_ns() + TIME_NS;
     for (uint32_t i = 0; i < TRIES_MAX && us.count < pairs && common_now_ns() < end_ns;
          i++) {
-        pair->query.query.kind = i % 2 ? PCCD_EE : PCCD_VF;
-        draw(&prng, family, pool, pair->query.query.x, 2);
+        pair->query.kind = i % 2 ? PCCD_EE : PCCD_VF;
+        draw(&prng, family, pool, pair->query.x, 2);
         uint64_t before = pair->exact->queries;
         double one_us = ask_us(decide, pair);
         if (pair->exact->queries != before) {
@@ -234,80 +226,20 @@ static void run_contacts(const struct family *family, uint32_t pairs, struct pai
     row_us(family->name, "a pair", &us);
 }
 
-/* Features in planes z = 0 and z = `height`, a radius of that height: where they overlap,
- * the distance is r exactly. */
-static void give_height(struct prng *prng, struct eng_thick_query *query)
-{
-    int first = query->query.kind == PCCD_EE ? 2 : 1;
-    double height = 1 + (double)prng_below(prng, 3);
-    for (int i = 0; i < 8; i++) {
-        query->query.x[i / 4][i % 4][2] = i % 4 < first ? height : 0;
-    }
-    query->radius[0] = height;
-}
-
-struct thick_family {
-    const char *name;
-    int coordinates; /* index in contact_families */
-    bool is_tangent;
-    double approach;
-};
-
-static const struct thick_family thick_families[] = {
-    {"thick: grid", 0, false, 0},
-    {"thick: grid, at exactly r", 0, true, 0},
-    {"thick: grid, begins inside", 0, false, 0.5},
-    {"thick: 2^-60 .. 2^59", 3, false, 0},
-    {"thick: 2^-300 .. 2^59", 5, false, 0},
-    {"thick: 1e18 and denormal", 7, false, 0},
-    {"thick: all", 8, false, 0},
-    {"thick: all, begins inside", 8, false, 0.7},
-    {"thick: all, touching", 11, false, 0},
-};
-
-static void run_thick(const struct thick_family *thick_family, uint32_t pairs,
-                      struct pair *pair)
-{
-    const struct family *family = &contact_families[thick_family->coordinates];
-    struct prng prng = {2};
-    double pool[POOL] = {0};
-    struct bench_samples us = {0};
-    uint64_t end_ns = common_now_ns() + TIME_NS;
-    for (uint32_t i = 0; us.count < pairs && common_now_ns() < end_ns; i++) {
-        pair->query = (struct eng_thick_query){.approach = thick_family->approach};
-        pair->query.query.kind = (enum pccd_kind)(i % 4);
-        draw(&prng, family, pool, pair->query.query.x, 2);
-        pair->query.radius[0] = fabs(some_coordinate(&prng, family, pool));
-        if (thick_family->is_tangent) {
-            give_height(&prng, &pair->query);
-        }
-        bench_add(&us, ask_us(decide_thick, pair));
-    }
-    row_us(thick_family->name, "a pair", &us);
-}
-
 int section_exact(const struct section_options *section)
 {
     const struct bench_options *options = &section->bench;
     struct eng_exact exact;
-    struct eng_thick thick;
-    struct pair pair = {.exact = &exact, .thick = &thick};
+    struct pair pair = {.exact = &exact};
     uint32_t pairs = options->smoke ? PAIRS_SMOKE : PAIRS;
-    if (eng_exact_init(&exact) != PCCD_OK || eng_thick_init(&thick) != PCCD_OK) {
+    if (eng_exact_init(&exact) != PCCD_OK) {
         abort();
     }
-    thick.first = ENG_THICK_BY_INTEGERS;
     for (size_t i = 0; i < sizeof contact_families / sizeof *contact_families; i++) {
         if (bench_is_wanted(options, contact_families[i].name)) {
             run_contacts(&contact_families[i], pairs, &pair);
         }
     }
-    for (size_t i = 0; i < sizeof thick_families / sizeof *thick_families; i++) {
-        if (bench_is_wanted(options, thick_families[i].name)) {
-            run_thick(&thick_families[i], pairs, &pair);
-        }
-    }
-    eng_thick_deinit(&thick);
     eng_exact_deinit(&exact);
     return 0;
 }
@@ -320,8 +252,8 @@ static void run_distances(const struct family *family, uint32_t count, struct pa
     struct bench_samples find_us = {0};
     struct bench_samples decide_us = {0};
     for (uint32_t i = 0; i < count; i++) {
-        pair->query.query.kind = prng_below(&prng, 2) ? PCCD_VF : PCCD_EE;
-        draw(&prng, family, NULL, pair->query.query.x, 1);
+        pair->query.kind = prng_below(&prng, 2) ? PCCD_VF : PCCD_EE;
+        draw(&prng, family, NULL, pair->query.x, 1);
         bench_add(&find_us, ask_us(find, pair));
         bench_add(&decide_us, ask_us(is_within, pair));
     }

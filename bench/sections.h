@@ -7,7 +7,6 @@
 /* With the numbers that some parts take, 0 where they are not given. */
 struct section_options {
     struct bench_options bench;
-    uint32_t seconds;
     uint32_t clients, kills, meshes;
 };
 
@@ -19,8 +18,6 @@ int section_roofline(const struct section_options *options);
 /* pair */
 int section_exact(const struct section_options *options);
 int section_distances(const struct section_options *options);
-int section_slowest(const struct section_options *options);
-extern const struct option_row section_slowest_rows[];
 
 /* client */
 int section_batch(const struct section_options *options);

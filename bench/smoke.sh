@@ -14,7 +14,6 @@ trap 'rm -f "$log"' EXIT
 parts='kernel roofline
 pair exact
 pair distances
-pair slowest
 client batch
 client connect
 client death

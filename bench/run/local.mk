@@ -13,7 +13,6 @@ bench_pccd_bench_SOURCES = \
     bench/late.c \
     bench/pair.c \
     bench/roofline.c \
-    bench/slowest.c \
     bench/redis/busy.c \
     bench/redis/crowd.c \
     bench/redis/ipc.c \

@@ -103,7 +103,6 @@ static const struct part {
     {"kernel", "roofline", section_roofline, NULL},
     {"pair", "exact", section_exact, NULL},
     {"pair", "distances", section_distances, NULL},
-    {"pair", "slowest", section_slowest, section_slowest_rows},
     {"client", "batch", section_batch, NULL},
     {"client", "connect", section_connect, NULL},
     {"client", "death", section_death, section_death_rows},
@@ -113,7 +112,7 @@ static const struct part {
 
 static int measure_part(const struct part *part, int argc, char **argv)
 {
-    struct section_options options = {.seconds = 0};
+    struct section_options options = {.clients = 0};
     bench_begin(part->name, part->options, argc, argv, &options.bench);
     int status = part->measure(&options);
     return bench_end() != 0 ? EXIT_DIFFERENT : status;
