@@ -48,7 +48,7 @@ const struct record_near_answer *answers_find_near(const struct answers *answers
  * to its status; if it was not, *status is as before. */
 bool answers_status(const struct answers *answers, bool is_near, uint64_t step,
                     int32_t *status);
-/* Records of a step, or of what is near, from the first one on. */
+/* Records of the answer to a step or a question, from the first one on. */
 struct answers_found {
     void *records; /* grown by realloc, of `room` bytes */
     size_t room;

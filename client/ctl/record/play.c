@@ -128,7 +128,7 @@ static int open_daemon(struct play_reader *reader, struct ctl_error *error)
 /* Ask the item of a daemon now, when its time has come: as then, but for what the caller
  * wants otherwise. */
 static int ask_again(struct play_reader *reader, uint64_t then_ns,
-                     struct play_found *found, struct ctl_error *error)
+                     struct answers_found *found, struct ctl_error *error)
 {
     const struct play_settings *settings = &reader->settings;
     struct replayer *replayer = &reader->replayer;
@@ -162,30 +162,27 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns,
     if (status == PCCD_OK && is_traced) {
         step_trace_end(&reader->trace, replayer->client);
     }
-    *found = (struct play_found){.records = NULL};
+    *found = (struct answers_found){.records = NULL};
     if (status == PCCD_OK && collects && replayer->answer.status == PCCD_OK) {
-        *found = (struct play_found){.records = replayer->records,
-                                     .count = replayer->record_count,
-                                     .first_count = replayer->answer.count,
-                                     .is_whole = replayer->record_count ==
-                                                 replayer->answer.total};
+        *found = (struct answers_found){
+            .records = replayer->records,
+            .count = replayer->record_count,
+            .first_count = replayer->answer.count,
+            .is_whole = replayer->record_count == replayer->answer.total};
     }
     return status;
 }
 
 /* The records that were recorded. */
-static int recall(struct play_reader *reader, bool is_answered, struct play_found *found,
+static int recall(struct play_reader *reader, bool is_answered, struct answers_found *found,
                   struct ctl_error *error)
 {
-    struct answers_found *is = &reader->found;
-    int status =
-        answers_records(&reader->answers, &reader->pages, reader->item.number, is, error);
-    *found =
-        (struct play_found){.records = is_answered && is->count > 0 ? is->records : NULL,
-                            .count = is->count,
-                            .first_count = is->first_count,
-                            .is_whole = is->is_whole,
-                            .is_torn = is->is_torn};
+    int status = answers_records(&reader->answers, &reader->pages, reader->item.number,
+                                 &reader->found, error);
+    *found = reader->found;
+    if (!is_answered || found->count == 0) {
+        found->records = NULL;
+    }
     return status;
 }
 
@@ -276,7 +273,7 @@ static void describe_near(const struct play_reader *reader, struct play_step *st
 
 static int show(struct play_reader *reader, uint64_t then_ns,
                 const struct pccd_answer *answer, const struct registry_scene *scene,
-                const struct play_found *found, struct ctl_error *error)
+                const struct answers_found *found, struct ctl_error *error)
 {
     const struct recorded_item *item = &reader->item;
     uint64_t told = item->is_near ? 0 : reader->settings.number;
@@ -329,7 +326,7 @@ static int show_item(struct play_reader *reader, const struct record_view *view,
 {
     const struct pccd_answer *answer =
         reader->asks_daemon ? &reader->replayer.answer : NULL;
-    struct play_found found;
+    struct answers_found found;
     int status = reader->asks_daemon ? ask_again(reader, view->time_ns, &found, error)
                                      : recall(reader, is_answered, &found, error);
     if (status != PCCD_OK) {

@@ -3,6 +3,7 @@
 #ifndef CTL_PLAY_H
 #define CTL_PLAY_H
 
+#include "answers.h"
 #include "link.h"
 #include "pccd.h"
 #include "recorded_state.h"
@@ -35,24 +36,14 @@ enum play_source {
     PLAY_RECORDS, /* a daemon, but for recordings that hold the records of answers */
 };
 
-struct answers;
-
-/* Records of an answer: a daemon's, or those that were recorded. */
-struct play_found {
-    const void *records; /* [count]; NULL: none, or not asked for */
-    uint64_t count;
-    uint64_t first_count; /* of these, those of the first page */
-    bool is_whole;        /* count is the answer's total */
-    bool is_torn;         /* pages that were fetched twice were not the same */
-};
-
 /* A step, or a question about what is near, when it has been answered. */
 struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct registry_scene *scene; /* after the movement, if it had one */
     const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
-    struct play_found found;
+    /* Records: a daemon's, or those that were recorded; NULL: none, or not asked for. */
+    struct answers_found found;
     /* A question. */
     const struct record_near *asked; /* NULL: it is a step */
     const struct record_near_answer *recorded_near; /* NULL: there was none */
