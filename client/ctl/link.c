@@ -132,6 +132,23 @@ int ctl_link_open(const struct ctl_link *link, struct pccd_client **client)
     return CTL_NO_DAEMON;
 }
 
+int ctl_link_command(const struct option_table *table, int argc, char **argv,
+                     struct ctl_link *link,
+                     int (*run)(struct pccd_client *client, void *options))
+{
+    struct pccd_client *client = NULL;
+    if (option_parse(table, argc, argv, link) != 0) {
+        return CTL_USAGE;
+    }
+    int status = ctl_link_open(link, &client);
+    if (status == CTL_DONE) {
+        status = run(client, link);
+    }
+    pccd_close(client);
+    ctl_link_deinit(link);
+    return status;
+}
+
 void ctl_link_deinit(struct ctl_link *link)
 {
     free(link->url);

@@ -45,6 +45,11 @@ void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked);
 bool ctl_link_is_direct(const struct ctl_link *link);
 /* Connect, or complain. Returns an exit status. */
 int ctl_link_open(const struct ctl_link *link, struct pccd_client **client);
+/* Run a command: read its options into a struct that begins with `link`, connect, and
+ * call `run` with that struct. Returns an exit status, as `run` does. */
+int ctl_link_command(const struct option_table *table, int argc, char **argv,
+                     struct ctl_link *link,
+                     int (*run)(struct pccd_client *client, void *options));
 void ctl_link_deinit(struct ctl_link *link);
 
 #endif

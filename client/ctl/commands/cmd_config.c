@@ -93,8 +93,9 @@ static void print_value(void *context, const struct pccd_setting *setting)
     }
 }
 
-static int run(struct pccd_client *client, struct config_options *options)
+static int run(struct pccd_client *client, void *to)
 {
+    struct config_options *options = to;
     int status = PCCD_OK;
     if (options->what == SET) {
         status = pccd_config_set(client, options->name, options->value);
@@ -122,15 +123,5 @@ int ctl_cmd_config(int argc, char **argv)
 {
     struct config_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_config, argc, argv, &options) != 0) {
-        return CTL_USAGE;
-    }
-    int status = ctl_link_open(&options.link, &client);
-    if (status == CTL_DONE) {
-        status = run(client, &options);
-    }
-    pccd_close(client);
-    ctl_link_deinit(&options.link);
-    return status;
+    return ctl_link_command(&ctl_table_config, argc, argv, &options.link, run);
 }

@@ -38,6 +38,7 @@ static void check(struct argp_state *state, void *to)
                                                strlen(arguments->list[0]),
                                                "sessions|scenes|objects|pairs|meshes");
     }
+    options->link.observes = options->what != PAIRS; /* these come by shared memory */
 }
 
 static const struct option_row rows[] = {
@@ -336,8 +337,9 @@ static const struct column *const columns_of[] = {[SESSIONS] = session_columns,
                                                   [PAIRS] = pair_columns,
                                                   [MESHES] = mesh_columns};
 
-static int list(struct pccd_client *client, const struct list_options *options)
+static int list(struct pccd_client *client, void *to)
 {
+    const struct list_options *options = to;
     struct sessions sessions = {.rows = NULL};
     struct printer printer = {
         .is_json = options->is_json, .array = json_array(), .has_memory = true};
@@ -374,16 +376,5 @@ static int list(struct pccd_client *client, const struct list_options *options)
 int ctl_cmd_list(int argc, char **argv)
 {
     struct list_options options = {.link = {.policy = CTL_LINK_EXISTING}};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_list, argc, argv, &options) != 0) {
-        return CTL_USAGE;
-    }
-    options.link.observes = options.what != PAIRS; /* these come through shared memory */
-    int status = ctl_link_open(&options.link, &client);
-    if (status == CTL_DONE) {
-        status = list(client, &options);
-    }
-    pccd_close(client);
-    ctl_link_deinit(&options.link);
-    return status;
+    return ctl_link_command(&ctl_table_list, argc, argv, &options.link, list);
 }

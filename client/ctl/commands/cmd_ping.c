@@ -1,10 +1,8 @@
 /* cmd_ping.c - pccdctl ping. */
-#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "ctl.h"
 #include "link.h"
@@ -55,15 +53,6 @@ const struct option_table ctl_table_ping = {
                 "  pccdctl ping -c 1000 -i 0 --json\n",
 };
 
-static void pause_for(double seconds)
-{
-    struct timespec left = {.tv_sec = (time_t)seconds};
-    left.tv_nsec = (long)((seconds - (double)left.tv_sec) * 1e9);
-    while (nanosleep(&left, &left) != 0 && errno == EINTR) {
-        continue;
-    }
-}
-
 static int ping_all(struct pccd_client *client, const struct ping_options *options,
                     double *times_us)
 {
@@ -73,7 +62,7 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
     for (uint32_t i = 0; i < options->count; i++) {
         uint64_t round_trip_ns;
         if (i > 0 && options->interval_s > 0.0) {
-            pause_for(options->interval_s);
+            terminal_sleep(options->interval_s);
         }
         if (pccd_ping(client, &round_trip_ns) != PCCD_OK) {
             progress_clear(&progress);
@@ -110,24 +99,21 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
     return CTL_DONE;
 }
 
+static int run(struct pccd_client *client, void *to)
+{
+    const struct ping_options *options = to;
+    double *times_us = malloc(options->count * sizeof *times_us);
+    int status = times_us != NULL ? ping_all(client, options, times_us)
+                                  : ctl_complain("out of memory");
+    free(times_us);
+    return status;
+}
+
 int ctl_cmd_ping(int argc, char **argv)
 {
     struct ping_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true},
         .count = PINGS_DEFAULT,
         .interval_s = INTERVAL_DEFAULT_S};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_ping, argc, argv, &options) != 0) {
-        return CTL_USAGE;
-    }
-    double *times_us = malloc(options.count * sizeof *times_us);
-    int status = times_us != NULL ? ctl_link_open(&options.link, &client)
-                                  : ctl_complain("out of memory");
-    if (status == CTL_DONE) {
-        status = ping_all(client, &options, times_us);
-    }
-    pccd_close(client);
-    free(times_us);
-    ctl_link_deinit(&options.link);
-    return status;
+    return ctl_link_command(&ctl_table_ping, argc, argv, &options.link, run);
 }

@@ -320,34 +320,27 @@ static void print_list(const struct counters *counters, const char *cpu)
     }
 }
 
-static int print(struct pccd_client *client, const struct stats_options *options)
+static int print(struct pccd_client *client, void *to)
 {
+    const struct stats_options *options = to;
     struct counters counters;
-    if (options->of_threads) {
-        return stats_threads_print(client, stdout, options->is_json);
+    int status = options->of_threads
+                     ? stats_threads_print(client, stdout, options->is_json)
+                     : counters_read(client, &counters);
+    if (status != PCCD_OK) {
+        return ctl_complain("stats: %s", pccd_error_text(client));
     }
-    int status = counters_read(client, &counters);
-    if (status == PCCD_OK && options->is_json) {
+    if (!options->of_threads && options->is_json) {
         (void)print_json(&counters, pccd_daemon_cpu(client));
-    } else if (status == PCCD_OK) {
+    } else if (!options->of_threads) {
         print_list(&counters, pccd_daemon_cpu(client));
     }
-    return status;
+    return CTL_DONE;
 }
 
 int ctl_cmd_stats(int argc, char **argv)
 {
     struct stats_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_stats, argc, argv, &options) != 0) {
-        return CTL_USAGE;
-    }
-    int status = ctl_link_open(&options.link, &client);
-    if (status == CTL_DONE && print(client, &options) != PCCD_OK) {
-        status = ctl_complain("stats: %s", pccd_error_text(client));
-    }
-    pccd_close(client);
-    ctl_link_deinit(&options.link);
-    return status;
+    return ctl_link_command(&ctl_table_stats, argc, argv, &options.link, print);
 }

@@ -250,28 +250,25 @@ static void print_json(const struct status *status)
     (void)output_json(object, true, stdout);
 }
 
-int ctl_cmd_status(int argc, char **argv)
+static int run(struct pccd_client *client, void *to)
 {
-    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_status, argc, argv, &query) != 0) {
-        return CTL_USAGE;
-    }
+    const struct ctl_query *query = to;
     struct status *status = calloc(1, sizeof *status);
     if (status == NULL) {
-        ctl_link_deinit(&query.link);
         return ctl_complain("out of memory");
     }
-    int exit_status = ctl_link_open(&query.link, &client);
-    if (exit_status == CTL_DONE && look(client, status) != PCCD_OK) {
-        exit_status = ctl_complain("status: %s", pccd_error_text(client));
-    } else if (exit_status == CTL_DONE && query.is_json) {
+    bool is_known = look(client, status) == PCCD_OK;
+    if (is_known && query->is_json) {
         print_json(status);
-    } else if (exit_status == CTL_DONE) {
+    } else if (is_known) {
         print(status);
     }
     free(status);
-    pccd_close(client);
-    ctl_link_deinit(&query.link);
-    return exit_status;
+    return is_known ? CTL_DONE : ctl_complain("status: %s", pccd_error_text(client));
+}
+
+int ctl_cmd_status(int argc, char **argv)
+{
+    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
+    return ctl_link_command(&ctl_table_status, argc, argv, &query.link, run);
 }

@@ -289,7 +289,7 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
     return ferror(stdout) == 0;
 }
 
-static int run(struct pccd_client *client, const struct top_options *options)
+static int look_again(struct pccd_client *client, const struct top_options *options)
 {
     struct sessions looks[2] = {{.rows = NULL}, {.rows = NULL}};
     struct counters counters;
@@ -322,27 +322,24 @@ static int run(struct pccd_client *client, const struct top_options *options)
                              : ctl_complain("top: %s", pccd_error_text(client));
 }
 
+static int run(struct pccd_client *client, void *to)
+{
+    struct top_options *options = to;
+    if (options->count == 0 && !terminal_is_live() && !options->is_json) {
+        options->count = 1;
+    }
+    terminal_catch_interrupts();
+    if (terminal_is_live()) {
+        terminal_take_keys();
+    }
+    int status = look_again(client, options);
+    terminal_free_keys();
+    return status;
+}
+
 int ctl_cmd_top(int argc, char **argv)
 {
     struct top_options options = {.link = {.policy = CTL_LINK_EXISTING, .observes = true},
                                   .interval_s = INTERVAL_DEFAULT};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_top, argc, argv, &options) != 0) {
-        return CTL_USAGE;
-    }
-    if (options.count == 0 && !terminal_is_live() && !options.is_json) {
-        options.count = 1;
-    }
-    int status = ctl_link_open(&options.link, &client);
-    if (status == CTL_DONE) {
-        terminal_catch_interrupts();
-        if (terminal_is_live()) {
-            terminal_take_keys();
-        }
-        status = run(client, &options);
-        terminal_free_keys();
-    }
-    pccd_close(client);
-    ctl_link_deinit(&options.link);
-    return status;
+    return ctl_link_command(&ctl_table_top, argc, argv, &options.link, run);
 }

@@ -1,9 +1,6 @@
 /* cmd_trace.c - pccdctl trace. */
-#include <signal.h>
 #include <string.h>
-#include <time.h>
 
-#include "clock.h"
 #include "ctl.h"
 #include "link.h"
 #include "terminal.h"
@@ -13,7 +10,7 @@
 #define SECONDS_DEFAULT 1.0
 #define STEPS_MAX       1000000000u
 #define PATH_DEFAULT    "pccd-trace.json"
-#define LOOK_NS         20000000 /* between two looks at the clock or at the counters */
+#define LOOK_S          0.02 /* between two looks at the clock or at the counters */
 
 struct trace_command {
     struct ctl_query query;
@@ -62,34 +59,15 @@ const struct option_table ctl_table_trace = {
 
 /* ---- waiting ----------------------------------------------------------------------- */
 
-static volatile sig_atomic_t is_interrupted;
-
-static void on_interrupt(int number)
-{
-    (void)number;
-    is_interrupted = 1;
-}
-
-static double now_s(void)
-{
-    return (double)common_now_ns() / 1e9;
-}
-
-static void look_later(void)
-{
-    struct timespec pause = {.tv_nsec = LOOK_NS};
-    nanosleep(&pause, NULL);
-}
-
 static void wait_seconds(double seconds)
 {
     struct progress progress;
-    double begin = now_s(), passed = 0;
+    double begin = terminal_now_s(), passed = 0;
     progress_begin(&progress, "recording (ms)", (uint64_t)(seconds * 1000));
-    while (passed < seconds && !is_interrupted) {
+    while (passed < seconds && !terminal_was_interrupted()) {
         progress_update(&progress, (uint64_t)(passed * 1000));
-        look_later();
-        passed = now_s() - begin;
+        terminal_sleep(LOOK_S);
+        passed = terminal_now_s() - begin;
     }
     progress_clear(&progress);
 }
@@ -110,9 +88,9 @@ static int wait_steps(struct pccd_client *client, uint64_t wanted)
     int status = pccd_stats(client, find_steps, &begin);
     now = begin;
     progress_begin(&progress, "steps", wanted);
-    while (status == PCCD_OK && now - begin < wanted && !is_interrupted) {
+    while (status == PCCD_OK && now - begin < wanted && !terminal_was_interrupted()) {
         progress_update(&progress, now - begin);
-        look_later();
+        terminal_sleep(LOOK_S);
         status = pccd_stats(client, find_steps, &now);
     }
     progress_clear(&progress);
@@ -121,49 +99,35 @@ static int wait_steps(struct pccd_client *client, uint64_t wanted)
 
 /* ---- the command ------------------------------------------------------------------- */
 
-static int record(const struct trace_command *command, struct pccd_client *client,
-                  struct ctl_error *error)
+static int record(struct pccd_client *client, void *to)
 {
-    bool to_stdout = strcmp(command->trace.path, "-") == 0;
+    const struct trace_command *command = to;
+    struct ctl_error error = {.text = ""};
     struct trace_file trace;
-    int status = trace_file_begin(&trace, &command->trace, client, error);
+    bool to_stdout = strcmp(command->trace.path, "-") == 0;
+    terminal_catch_interrupts();
+    int status = trace_file_begin(&trace, &command->trace, client, &error);
     if (status == PCCD_OK && command->steps > 0) {
         status = wait_steps(client, command->steps);
         if (status != PCCD_OK) {
-            ctl_error_set(error, status, "stats: %s", pccd_error_text(client));
+            ctl_error_set(&error, status, "stats: %s", pccd_error_text(client));
         }
     } else if (status == PCCD_OK) {
         wait_seconds(command->seconds > 0 ? command->seconds : SECONDS_DEFAULT);
     }
     if (status == PCCD_OK) {
-        status = trace_file_end(&trace, client, error);
+        status = trace_file_end(&trace, client, &error);
     }
     if (status == PCCD_OK) {
         trace_file_report(&trace, to_stdout ? stderr : stdout, command->query.is_json);
     }
     trace_file_deinit(&trace);
-    return status;
+    return status == PCCD_OK ? CTL_DONE : ctl_complain("%s", error.text);
 }
 
 int ctl_cmd_trace(int argc, char **argv)
 {
     struct trace_command command = {.query = {.link = {.policy = CTL_LINK_EXISTING}},
                                     .trace.path = PATH_DEFAULT};
-    struct ctl_error error = {.text = ""};
-    struct pccd_client *client = NULL;
-    struct sigaction action = {.sa_handler = on_interrupt};
-    if (option_parse(&ctl_table_trace, argc, argv, &command) != 0) {
-        return CTL_USAGE;
-    }
-    int status = ctl_link_open(&command.query.link, &client);
-    if (status == CTL_DONE) {
-        sigemptyset(&action.sa_mask);
-        sigaction(SIGINT, &action, NULL);
-        if (record(&command, client, &error) != PCCD_OK) {
-            status = ctl_complain("%s", error.text);
-        }
-    }
-    pccd_close(client);
-    ctl_link_deinit(&command.query.link);
-    return status;
+    return ctl_link_command(&ctl_table_trace, argc, argv, &command.query.link, record);
 }

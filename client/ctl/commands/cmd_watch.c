@@ -100,11 +100,13 @@ static void print_head(void)
            "SESSION", "SCENE", "CONTACTS", "MS", "TH", "HASH", terminal_end());
 }
 
-static int watch(struct pccd_client *client, const struct watch_options *options)
+static int watch(struct pccd_client *client, void *to)
 {
+    const struct watch_options *options = to;
     struct pccd_step_event event;
     double begin_s = terminal_now_s();
     uint64_t told = 0;
+    terminal_catch_interrupts();
     int status = pccd_watch_start(client, options->session, options->scene);
     if (status == PCCD_OK && !options->is_json) {
         print_head();
@@ -144,16 +146,5 @@ int ctl_cmd_watch(int argc, char **argv)
 {
     struct watch_options options = {
         .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
-    struct pccd_client *client = NULL;
-    if (option_parse(&ctl_table_watch, argc, argv, &options) != 0) {
-        return CTL_USAGE;
-    }
-    int status = ctl_link_open(&options.link, &client);
-    if (status == CTL_DONE) {
-        terminal_catch_interrupts();
-        status = watch(client, &options);
-    }
-    pccd_close(client);
-    ctl_link_deinit(&options.link);
-    return status;
+    return ctl_link_command(&ctl_table_watch, argc, argv, &options.link, watch);
 }
