@@ -96,6 +96,18 @@ uint32_t option_word(const struct argp_state *state, const char *name, const cha
     return 0;
 }
 
+void option_add_text(const struct argp_state *state, struct option_arguments *texts,
+                     const char *text)
+{
+    char **list = realloc(texts->list, (texts->count + (size_t)1) * sizeof *list);
+    if (list == NULL) {
+        option_misused(state, "out of memory");
+        return;
+    }
+    texts->list = list;
+    list[texts->count++] = (char *)(uintptr_t)text;
+}
+
 static void take(struct argp_state *state, const struct option_row *row, const char *text,
                  void *to)
 {
@@ -116,6 +128,9 @@ static void take(struct argp_state *state, const struct option_row *row, const c
         return;
     case OPTION_TEXT:
         *(const char **)at = text;
+        return;
+    case OPTION_TEXTS:
+        option_add_text(state, at, text);
         return;
     case OPTION_WORD:
         *(uint32_t *)at = (uint32_t)row->min +

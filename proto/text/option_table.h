@@ -18,6 +18,7 @@ enum option_type {
     OPTION_U64,       /* uint64_t */
     OPTION_REAL,      /* double */
     OPTION_TEXT,      /* const char * */
+    OPTION_TEXTS,     /* struct option_arguments, whose list is ours to free: each text */
     OPTION_WORD,      /* uint32_t or an enum: `min` and the place of the word in `arg` */
     OPTION_OWN        /* what `take` does with it */
 };
@@ -42,7 +43,7 @@ struct option_row {
     const char *needed; /* what is said if a text, or every argument, is missing */
 };
 
-/* The arguments of a command: what is left of argv. */
+/* The arguments of a command: what is left of argv; or the texts of an option. */
 struct option_arguments {
     char **list;
     uint32_t count;
@@ -90,6 +91,9 @@ uint64_t option_number(const struct argp_state *state, const struct option_row *
                        const char *text);
 double option_real(const struct argp_state *state, const struct option_row *row,
                    const char *text);
+/* Add a text, as OPTION_TEXTS does. */
+void option_add_text(const struct argp_state *state, struct option_arguments *texts,
+                     const char *text);
 /* Return the place of the text, of so many bytes, among words "a|b|c". `name` is the
  * option's; NULL: it is an argument. */
 uint32_t option_word(const struct argp_state *state, const char *name, const char *text,

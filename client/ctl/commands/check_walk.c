@@ -665,8 +665,8 @@ int check_verify(const char *certificate, struct check_command *command)
         walk.frames = command->check.ask.frames;
         walk.frames.wish.takes_cut = true;
         files->count -= (uint32_t)with;
-        command->scene.with = (struct scene_texts){.list = files->list + files->count,
-                                                   .count = (size_t)with};
+        command->scene.with = (struct option_arguments){
+            .list = files->list + files->count, .count = (uint32_t)with};
         status = walk_all(&walk, &error);
     }
     if (status == PCCD_OK) {
@@ -686,7 +686,7 @@ int check_verify(const char *certificate, struct check_command *command)
     }
     walk_deinit(&walk);
     json_decref(expected);
-    command->scene.with = (struct scene_texts){.list = NULL};
+    command->scene.with = (struct option_arguments){.list = NULL};
     if (status != PCCD_OK) {
         ctl_error_tell(&error);
     }

@@ -25,7 +25,7 @@ struct command {
     struct option_arguments files;
     struct ctl_link link;
     struct robot_options robot;
-    struct scene_texts joints, fixed, apart, between, clearances;
+    struct option_arguments joints, fixed, apart, between, clearances;
     double clearance, bracket, least;
     uint32_t limit, threads;
     const char *edges;   /* NULL: ranges are swept */
@@ -36,22 +36,6 @@ struct command {
     const struct ask_options *ask;
     const struct scene_options *scene;
 };
-
-static void take_text(struct argp_state *state, const struct option_row *row,
-                      const char *text, void *to)
-{
-    scene_texts_add(state, (struct scene_texts *)((char *)to + row->at), text);
-}
-
-static void take_apart(struct argp_state *state, const struct option_row *row,
-                       const char *text, void *to)
-{
-    if (strchr(text, ',') == NULL) {
-        option_misused(state, "--%s: \"%s\" is not two names with a comma between them",
-                       row->name, text);
-    }
-    take_text(state, row, text, to);
-}
 
 /* A distance, or "A,B=D": which of them names parts, the mechanism says. */
 static void take_clearance(struct argp_state *state, const struct option_row *row,
@@ -66,7 +50,7 @@ static void take_clearance(struct argp_state *state, const struct option_row *ro
                        LENGTH_MAX);
     }
     if (equals != NULL) {
-        take_apart(state, row, text, to);
+        scene_take_pair(state, row, text, to);
     } else {
         ((struct command *)to)->clearance = value;
     }
@@ -112,11 +96,11 @@ static const struct option_row rows[] = {
      "Sweep this joint, from LO to HI (default: its limits), in radians, in degrees (as "
      "-90deg:90deg) or in the file's unit; up to three at once (default: each joint by "
      "itself)",
-     OPTION_OWN, .at = AT(joints), .take = take_text},
+     OPTION_TEXTS, .at = AT(joints)},
     {"fix", 0, "NAME=VALUE",
      "Hold a joint that is not swept there (default: at 0, or where its limits are "
      "nearest to 0); may be repeated",
-     OPTION_OWN, .at = AT(fixed), .take = take_text},
+     OPTION_TEXTS, .at = AT(fixed)},
     {"edges", 0, "FILE",
      "Instead of ranges: motions of all joints at once, a line {\"from\": [VALUE..], "
      "\"to\": [VALUE..]} each, in radians or the file's unit, of all joints in their "
@@ -129,12 +113,12 @@ static const struct option_row rows[] = {
      OPTION_OWN, .at = AT(clearances), .take = take_clearance},
     {"allow", 0, "A,B",
      "These two parts may meet, as those do that touch by design; may be repeated",
-     OPTION_OWN, .at = AT(apart), .take = take_apart},
+     OPTION_OWN, .at = AT(apart), .take = scene_take_pair},
     {"between", 0, "A,B",
      "Compare the parts of a scene file only that are named so; may be repeated",
-     OPTION_OWN, .at = AT(between), .take = take_apart},
+     OPTION_OWN, .at = AT(between), .take = scene_take_pair},
     {"with", 0, "FILE", "Add a mesh that stands, as another part; may be repeated",
-     OPTION_OWN, .at = AT(robot.with), .take = take_text},
+     OPTION_TEXTS, .at = AT(robot.with)},
     {"srdf", 0, "FILE", "Leave out the pairs of links that this file disables",
      OPTION_TEXT, .at = AT(robot.srdf)},
     {"state", 0, "NAME", "Hold joints where a group_state of that file has them",
@@ -143,7 +127,7 @@ static const struct option_row rows[] = {
      "Look for meshes here first, by their path, what is behind the package, and their "
      "last name; may be repeated (default: beside the file, and up to three folders "
      "above for a package)",
-     OPTION_OWN, .at = AT(robot.meshes), .take = take_text},
+     OPTION_TEXTS, .at = AT(robot.meshes)},
     {"sides", 0, "N",
      "Of the prism around a cylinder, which is up to 5 / N^2 of its radius thicker "
      "(default: 64)",
@@ -321,7 +305,7 @@ static int set_pairs(const struct command *command, struct robot *robot,
 static int read_range(const struct command *command, const struct robot *robot,
                       struct sweep_range *range, struct ctl_error *error)
 {
-    const struct scene_texts *named = &command->joints;
+    const struct option_arguments *named = &command->joints;
     int status = PCCD_OK;
     range->count = (uint32_t)named->count;
     for (uint32_t k = 0; k < range->count && status == PCCD_OK; k++) {

@@ -19,32 +19,14 @@ static int no_memory(struct ctl_error *error)
 
 /* ---- what a command line says ------------------------------------------------------ */
 
-void scene_texts_add(struct argp_state *state, struct scene_texts *texts,
-                     const char *text)
-{
-    void *list = texts->list;
-    if (!array_reserve(&list, texts->count, &texts->room, sizeof *texts->list)) {
-        option_misused(state, "out of memory");
-    }
-    texts->list = list;
-    texts->list[texts->count++] = (char *)(uintptr_t)text;
-}
-
-static void take_with(struct argp_state *state, const struct option_row *row,
-                      const char *text, void *to)
-{
-    (void)row;
-    scene_texts_add(state, &((struct scene_options *)to)->with, text);
-}
-
-static void take_between(struct argp_state *state, const struct option_row *row,
-                         const char *text, void *to)
+void scene_take_pair(struct argp_state *state, const struct option_row *row,
+                     const char *text, void *to)
 {
     if (strchr(text, ',') == NULL) {
         option_misused(state, "--%s: \"%s\" is not two names with a comma between them",
                        row->name, text);
     }
-    scene_texts_add(state, &((struct scene_options *)to)->between, text);
+    option_add_text(state, (struct option_arguments *)((char *)to + row->at), text);
 }
 
 #define AT(member) offsetof(struct scene_options, member)
@@ -53,13 +35,13 @@ static const struct option_row rows[] = {
     {"with", 0, "FILE",
      "Add another object, which stands, or moves along if it has as many frames; may be "
      "repeated",
-     OPTION_OWN, .take = take_with},
+     OPTION_TEXTS, .at = AT(with)},
     {"no-self", 0, NULL, "Leave out the pairs of each object with itself", OPTION_FLAG,
      .at = AT(has_no_self)},
     {"between", 0, "A,B",
      "Ask about the pairs of these two objects alone, by their names: those of the scene "
      "file, or those of their first files without folder and ending; may be repeated",
-     OPTION_OWN, .take = take_between},
+     OPTION_OWN, .at = AT(between), .take = scene_take_pair},
     {0}};
 #undef AT
 
@@ -232,7 +214,7 @@ static int leave_between(struct scene *scene, const uint32_t (*pairs)[2], size_t
     return status;
 }
 
-static int pick_between(struct scene *scene, const struct scene_texts *between,
+static int pick_between(struct scene *scene, const struct option_arguments *between,
                         struct ctl_error *error)
 {
     uint32_t(*pairs)[2] = calloc(between->count, sizeof *pairs);

@@ -23,21 +23,15 @@
 
 /* ---- What a command line says of a scene. */
 
-/* A list that grows; the texts are those of the command line. */
-struct scene_texts {
-    char **list; /* ours */
-    size_t count, room;
-};
-
 struct scene_options {
-    struct scene_texts with;    /* files of further objects */
-    struct scene_texts between; /* "A,B", names of two objects */
+    struct option_arguments with;    /* files of further objects */
+    struct option_arguments between; /* "A,B", names of two objects */
     bool has_no_self;
 };
 
-/* Add the text of an option, or end the program without memory. */
-void scene_texts_add(struct argp_state *state, struct scene_texts *texts,
-                     const char *text);
+/* Take "A,B", two names, as OPTION_TEXTS takes a text. */
+void scene_take_pair(struct argp_state *state, const struct option_row *row,
+                     const char *text, void *to);
 
 /* Options that fill a struct scene_options: --with, --no-self, --between. */
 extern const struct option_table scene_table;

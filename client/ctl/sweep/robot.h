@@ -98,8 +98,8 @@ struct robot {
 struct robot_options {
     const char *srdf;          /* NULL: none */
     const char *state;         /* a group_state of it, for `start`; NULL: none */
-    struct scene_texts meshes; /* folders where meshes are */
-    struct scene_texts with;   /* files of further parts, which stand */
+    struct option_arguments meshes; /* folders where meshes are */
+    struct option_arguments with;   /* files of further parts, which stand */
     uint32_t sides;            /* of a cylinder */
 };
 

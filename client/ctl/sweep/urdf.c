@@ -256,7 +256,7 @@ static void take_joint(struct reader *reader, const struct xml_element *of)
 
 /* ---- the files --------------------------------------------------------------------- */
 
-static void take_robot(struct reader *reader, const struct scene_texts *with)
+static void take_robot(struct reader *reader, const struct option_arguments *with)
 {
     struct robot *robot = reader->robot;
     const struct xml_element *root = reader->xml->root, *at;
