@@ -8,7 +8,7 @@
 #include "option_table.h"
 #include "pccd.h"
 
-/* What to do without --url and --socket. */
+/* Policy without --url and --socket. */
 enum ctl_link_policy {
     CTL_LINK_EXISTING,          /* the user's daemon, if it runs */
     CTL_LINK_USER,              /* the user's daemon, started if it does not run */

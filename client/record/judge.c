@@ -418,7 +418,7 @@ static int judge_tuning(const void *payload, uint64_t bytes, char text[RECORD_TE
                                                 : bad(text, "a tuning without an end");
 }
 
-/* How payloads of a kind begin. */
+/* Forms of payloads, by kind. */
 static const struct form {
     uint64_t head_bytes; /* of the struct that they begin with */
     bool is_all;         /* they end with it */

@@ -5,7 +5,7 @@
 #include "picture.h"
 #include "sweep.h"
 
-/* What is worth a picture, the last one most. */
+/* Worth of a picture, the last one most. */
 enum sweep_worth {
     SWEEP_WORTH_NONE,
     SWEEP_WORTH_FREE,

@@ -164,18 +164,18 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns,
     }
     *found = (struct answers_found){.records = NULL};
     if (status == PCCD_OK && collects && replayer->answer.status == PCCD_OK) {
-        *found = (struct answers_found){
-            .records = replayer->records,
-            .count = replayer->record_count,
-            .first_count = replayer->answer.count,
-            .is_whole = replayer->record_count == replayer->answer.total};
+        *found = (struct answers_found){.records = replayer->records,
+                                        .count = replayer->record_count,
+                                        .first_count = replayer->answer.count,
+                                        .is_whole = replayer->record_count ==
+                                                    replayer->answer.total};
     }
     return status;
 }
 
 /* The records that were recorded. */
-static int recall(struct play_reader *reader, bool is_answered, struct answers_found *found,
-                  struct ctl_error *error)
+static int recall(struct play_reader *reader, bool is_answered,
+                  struct answers_found *found, struct ctl_error *error)
 {
     int status = answers_records(&reader->answers, &reader->pages, reader->item.number,
                                  &reader->found, error);
@@ -271,9 +271,9 @@ static void describe_near(const struct play_reader *reader, struct play_step *st
     }
 }
 
-static int show(struct play_reader *reader, uint64_t then_ns,
-                const struct pccd_answer *answer, const struct registry_scene *scene,
-                const struct answers_found *found, struct ctl_error *error)
+static int show_step(struct play_reader *reader, uint64_t then_ns,
+                     const struct pccd_answer *answer, const struct registry_scene *scene,
+                     const struct answers_found *found, struct ctl_error *error)
 {
     const struct recorded_item *item = &reader->item;
     uint64_t told = item->is_near ? 0 : reader->settings.number;
@@ -347,7 +347,7 @@ static int show_item(struct play_reader *reader, const struct record_view *view,
     if (scene != NULL) {
         registry_pairs_settle(&scene->pairs); /* who may meet is asked for */
     }
-    return show(reader, view->time_ns, answer, scene, &found, error);
+    return show_step(reader, view->time_ns, answer, scene, &found, error);
 }
 
 /* The item that is read, which `view` has brought. */

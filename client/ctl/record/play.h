@@ -41,15 +41,15 @@ struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct registry_scene *scene; /* after the movement, if it had one */
-    const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
+    const struct pccd_answer *answer;   /* the daemon's, numbers only; NULL: not asked */
     /* Records: a daemon's, or those that were recorded; NULL: none, or not asked for. */
     struct answers_found found;
     /* A question. */
-    const struct record_near *asked; /* NULL: it is a step */
+    const struct record_near *asked;                /* NULL: it is a step */
     const struct record_near_answer *recorded_near; /* NULL: there was none */
     bool tells_crossings;                           /* they were asked for, too */
-    const struct pccd_near *nears; /* found.records; NULL of VERTICES */
-    const double *bounds;          /* found.records; NULL of any other question */
+    const struct pccd_near *nears;                  /* found.records; NULL of VERTICES */
+    const double *bounds; /* found.records; NULL of any other question */
     /* A step. */
     const struct record_frame *frame;
     struct record_separation separation;

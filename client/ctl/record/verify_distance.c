@@ -318,9 +318,8 @@ static bool check_crossings(struct judge *judge, const struct oracle_nears *cros
     const struct play_step *near = judge->near;
     bool intersects = crossings->count + touching->count > 0;
     judge->verdict = intersects ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
-    uint32_t verdict =
-        near->answer != NULL ? (uint32_t)near->answer->verdict
-                             : near->recorded_near->verdict;
+    uint32_t verdict = near->answer != NULL ? (uint32_t)near->answer->verdict
+                                            : near->recorded_near->verdict;
     if (verdict != judge->verdict) {
         return wrong(judge,
                      intersects ? "something intersects or touches, and it says no"
