@@ -12,9 +12,14 @@
 #include "ingest.h"
 #include "kernel.h"
 #include "memory.h"
+#include "query.h"
 #include "topology.h"
+#include "vec.h"
 
 #define RADIUS_MAX 1e18
+
+/* More than what squares below the normal range take off a length. */
+#define LOST 0x1p-530
 
 /* Leaves of which the typical size is told. */
 #define FINENESS_SAMPLES 64u
@@ -256,6 +261,22 @@ struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x
     return bounds;
 }
 
+/* Return at least how far corners of leaves are from the middle of their bounds. */
+static double radius_of(const struct eng_mesh *mesh)
+{
+    double middle[3];
+    double most = 0;
+    eng_mesh_middle(mesh, middle);
+    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            double way[3];
+            eng_sub(way, mesh->x[mesh->leaves[i].v[k]], middle);
+            most = eng_most(most, eng_dot(way, way));
+        }
+    }
+    return sqrt(most) * (1 + 8 * ENG_U) + LOST;
+}
+
 static int compare_sizes(const void *a, const void *b)
 {
     const double *x = a;
@@ -296,6 +317,7 @@ int eng_mesh_commit(struct eng_mesh *mesh)
     eng_free(mesh->corners);
     mesh->corners = NULL;
     mesh->bounds = eng_mesh_measure(mesh, (const double(*)[3])mesh->x);
+    mesh->radius = radius_of(mesh);
     mesh->fineness = fineness_of(mesh);
     measure_radii(mesh);
     mesh->committed = true;

@@ -80,9 +80,11 @@ struct eng_mesh {
     uint64_t *free[PCCD_TREE_EDGES + 1];
     /* Those that are not foreign (mesh.h); NULL: none is. */
     uint64_t *own[PCCD_TREE_EDGES + 1];
-    /* After commit, of the registered positions: around all leaves, and the size of a
-     * typical one beside that. */
+    /* After commit, of the registered positions: around all leaves; no corner of them is
+     * farther than `radius` from the middle of that; and the size of a typical one
+     * beside it. */
     struct eng_bounds bounds;
+    double radius;
     double fineness;
     /* Thickness (thickness.h): radii of vertices; after commit also the largest radius of
      * the features that a vertex is of, by which its box grows, and the largest of all.
@@ -115,6 +117,14 @@ int eng_mesh_check_radius(double radius);
 /* Return the bounds of the mesh's leaves, with its vertices at x. Vertices that are in
  * none do not count. */
 struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3]);
+
+/* Set the middle of the bounds of its leaves. */
+static inline void eng_mesh_middle(const struct eng_mesh *mesh, double middle[3])
+{
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * mesh->bounds.low[k] + 0.5 * mesh->bounds.high[k];
+    }
+}
 
 static inline bool eng_mesh_has_bit(const uint64_t *bits, uint32_t feature)
 {

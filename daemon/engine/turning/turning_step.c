@@ -5,13 +5,19 @@
 #include <math.h>
 #include <string.h>
 
+#include "coordinates.h"
 #include "memory.h"
+#include "rigid.h"
 #include "straight.h"
 #include "thickness.h"
+#include "vec.h"
 #include "wait.h"
 
 /* Above what rounds off in a box of a few sums. */
 #define ROUNDING 0x1p-44
+
+/* More than what is lost below the normal range, of numbers of at most 1e18. */
+#define LOST 0x1p-400
 
 /* Parts of the step, at most, of which each has its box. */
 #define SPANS_MAX 64u
@@ -146,16 +152,19 @@ static double largest_of(const struct eng_bounds *box)
     return largest;
 }
 
-/* A box around all that an object sweeps as it turns: around its places at some times,
- * wider by how far it leaves the chords between them. */
-static struct eng_bounds swept(struct eng_turning_step *step,
-                               const struct eng_object *object)
+/* Set boxes around all that an object sweeps as it turns: around its places at some
+ * times, wider by how far it leaves the chords between them. */
+static void set_turning(struct eng_turning_step *step, const struct eng_object *object,
+                        struct eng_turning_item *item)
 {
-    const struct eng_bounds *bounds = &object->mesh->bounds;
+    const struct eng_mesh *mesh = object->mesh;
+    const struct eng_bounds *bounds = &mesh->bounds;
     struct eng_bounds all = ENG_NO_BOUNDS;
-    struct eng_path_box box;
+    struct eng_path_box box, point;
     memcpy(box.lo, bounds->low, sizeof box.lo);
     memcpy(box.hi, bounds->high, sizeof box.hi);
+    eng_mesh_middle(mesh, point.lo);
+    memcpy(point.hi, point.lo, sizeof point.hi);
     int status = eng_path_between(step->scene->joints.items, PCCD_NO_JOINT, object->joint,
                                   &step->path);
     assert(status == PCCD_OK); /* as it was when it was staged */
@@ -173,24 +182,74 @@ static struct eng_bounds swept(struct eng_turning_step *step,
         struct eng_bounds placed = place(pose.m, bounds);
         eng_bounds_unite(&all, &placed);
         error = fmax(error, pose.error[0] + pose.error[1] * largest_of(bounds));
+        if (i == 0 || i == spans) {
+            common_transform(pose.m, point.lo, item->sphere.middle[i == 0 ? 0 : 1]);
+        }
     }
     double rounding = ROUNDING * (largest_of(bounds) + largest_of(&all));
     widen(&all, sagitta + error + rounding);
-    return all;
+    item->box = all;
+    item->sphere.radius = mesh->radius + eng_path_bend(&step->path, &point, 0, 1) / 8 +
+                        error + rounding;
 }
 
-static struct eng_bounds around(struct eng_turning_step *step,
-                                const struct eng_object *object, double separation)
+/* Return at least how much longer than it was a pose makes a vector: the square of that
+ * is no eigenvalue of m' m, and so no sum of a row of it. */
+static double stretch_of(const double m[12])
 {
-    struct eng_bounds box = object->bounds[0];
-    if (object->joint != PCCD_NO_JOINT) {
-        box = swept(step, object);
-    } else {
-        eng_bounds_unite(&box, &object->bounds[1]);
+    double most = 0;
+    for (int i = 0; i < 3; i++) {
+        double sum = 0;
+        for (int k = 0; k < 3; k++) {
+            sum += fabs(m[i] * m[k] + m[4 + i] * m[4 + k] + m[8 + i] * m[8 + k]);
+        }
+        most = fmax(most, sum);
     }
-    widen(&box,
-          0.5 * separation + fmax(eng_thickness_most(object), object->half_clearance));
-    return box;
+    return sqrt(most);
+}
+
+/* Set boxes around an object that goes straight, or stands. */
+static void set_straight(const struct eng_object *object, struct eng_turning_item *item)
+{
+    const struct eng_mesh *mesh = object->mesh;
+    item->box = object->bounds[0];
+    eng_bounds_unite(&item->box, &object->bounds[1]);
+    item->sphere.radius = 0;
+    for (unsigned end = 0; end < 2; end++) {
+        double *middle = item->sphere.middle[end];
+        double radius = 0;
+        if (object->has_poses) {
+            const double *m = object->poses->last[end];
+            double point[3];
+            eng_mesh_middle(mesh, point);
+            common_transform(m, point, middle);
+            radius = stretch_of(m) * mesh->radius +
+                     2 * eng_rounding_error(m, &mesh->bounds);
+        } else {
+            const struct eng_bounds *bounds = &object->bounds[end];
+            double half[3];
+            for (int k = 0; k < 3; k++) {
+                middle[k] = 0.5 * bounds->low[k] + 0.5 * bounds->high[k];
+                half[k] = 0.5 * bounds->high[k] - 0.5 * bounds->low[k];
+            }
+            radius = sqrt(eng_dot(half, half)) + ROUNDING * largest_of(&item->box);
+        }
+        item->sphere.radius = fmax(item->sphere.radius, radius);
+    }
+}
+
+static void set_around(struct eng_turning_step *step, const struct eng_object *object,
+                       struct eng_turning_item *item)
+{
+    double reach = 0.5 * step->separation +
+                   fmax(eng_thickness_most(object), object->half_clearance);
+    if (object->joint != PCCD_NO_JOINT) {
+        set_turning(step, object, item);
+    } else {
+        set_straight(object, item);
+    }
+    widen(&item->box, reach);
+    item->sphere.radius = (item->sphere.radius + reach) * (1 + ROUNDING) + LOST;
 }
 
 static bool is_apart(const struct eng_bounds *a, const struct eng_bounds *b)
@@ -201,6 +260,35 @@ static bool is_apart(const struct eng_bounds *a, const struct eng_bounds *b)
         }
     }
     return false;
+}
+
+/* Return whether two spheres stay apart: along where one is from the other when they are
+ * nearest, at both ends. */
+static bool are_spheres_apart(const struct eng_turning_sphere *a,
+                            const struct eng_turning_sphere *b)
+{
+    double from[2][3];
+    double way[3];
+    double n[3];
+    double gap = INFINITY;
+    eng_sub(from[0], a->middle[0], b->middle[0]);
+    eng_sub(from[1], a->middle[1], b->middle[1]);
+    eng_sub(way, from[1], from[0]);
+    double square = eng_dot(way, way);
+    double t = square > 0 ? -eng_dot(from[0], way) / square : 0;
+    t = eng_least(eng_most(t, 0), 1);
+    for (int k = 0; k < 3; k++) {
+        n[k] = from[0][k] + t * way[k];
+    }
+    for (int end = 0; end < 2; end++) {
+        double terms = 0;
+        for (int k = 0; k < 3; k++) {
+            terms += fabs(n[k] * from[end][k]);
+        }
+        gap = eng_least(gap, eng_dot(n, from[end]) - ROUNDING * terms);
+    }
+    double reach = (a->radius + b->radius) * sqrt(eng_dot(n, n));
+    return gap > reach * (1 + ROUNDING) + LOST;
 }
 
 /* ---- which pairs of objects may meet ----------------------------------------------- */
@@ -239,14 +327,14 @@ static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
                 eng_worker_should_stop(worker)) {
                 return;
             }
-            struct eng_bounds box = around(step, object, step->separation);
+            struct eng_turning_item *item = &step->items[step->item_count];
+            set_around(step, object, item);
+            item->object = i;
+            item->turns = turns == 1;
             if (turns == 1) {
-                eng_bounds_unite(&all, &box);
-            } else if (is_apart(&all, &box)) {
-                continue;
+                eng_bounds_unite(&all, &item->box);
             }
-            step->items[step->item_count++] =
-                (struct eng_turning_item){.box = box, .object = i, .turns = turns == 1};
+            step->item_count += turns == 1 || !is_apart(&all, &item->box);
         }
     }
 }
@@ -327,6 +415,7 @@ static void list_couples(struct eng_turning_step *step, struct eng_worker *worke
                 break;
             }
             if ((item->turns || other->turns) && !is_apart(&item->box, &other->box) &&
+                !are_spheres_apart(&item->sphere, &other->sphere) &&
                 eng_masks_allows(&step->scene->masks, item->object, other->object)) {
                 add_couple(step, item->object, other->object);
             }

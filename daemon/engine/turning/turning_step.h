@@ -26,9 +26,16 @@ struct eng_turning_part {
     bool takes_part; /* in this step */
 };
 
+/* A sphere that an object stays in at all times of a step: its middle goes straight. */
+struct eng_turning_sphere {
+    double middle[2][3]; /* at either end of the step */
+    double radius;
+};
+
 /* An object among those that may meet one that turns, or moves. */
 struct eng_turning_item {
     struct eng_bounds box; /* around all places of it in the step, thickness included */
+    struct eng_turning_sphere sphere; /* thickness included, too */
     uint32_t object;
     bool turns;
 };
