@@ -225,6 +225,7 @@ static struct hunt *hunt_new(void)
     hunt->sweep.should_stop = should_stop;
     hunt->sweep.owner = hunt;
     hunt->sweep.t_end = 1;
+    hunt->sweep.t_last = 1;
     hunt->sweep.tests_most = UINT64_MAX;
     hunt->sweep.poses = &hunt->poses;
     for (int i = 0; i < 2; i++) {

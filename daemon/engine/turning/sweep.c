@@ -574,13 +574,13 @@ static bool is_long(struct eng_sweep *sweep, struct eng_sweep_span span,
 }
 
 /* Push the parts of a span, in which the two may meet, that are short beside the two and
- * in which they still may, in the order of time. */
+ * in which they still may, in the order of time; but for what begins after t_end. */
 static void push_parts(struct eng_sweep *sweep, const struct item *a,
-                       const struct item *b, struct eng_sweep_span span)
+                       const struct item *b, struct eng_sweep_span span, double t_end)
 {
     float size = most(most(a->size, b->size), sweep->margin);
     look(sweep, 1);
-    if (begin_of(span) > sweep->t_end || sweep->stops) {
+    if (begin_of(span) > t_end || sweep->stops) {
         return;
     }
     if (span.depth >= NODES_DEPTH_MAX ||
@@ -590,7 +590,7 @@ static void push_parts(struct eng_sweep *sweep, const struct item *a,
     }
     for (uint32_t i = 0; i < 2 && !sweep->stops; i++) {
         if (may_meet(sweep, half_of(span, i), a, b)) {
-            push_parts(sweep, a, b, half_of(span, i));
+            push_parts(sweep, a, b, half_of(span, i), t_end);
         }
     }
 }
@@ -1206,7 +1206,7 @@ static void join_child(struct eng_sweep *sweep, const struct item *a,
 {
     for (uint32_t i = first; i < end; i++) {
         if (sweep->spans[i].children >> which & 1) {
-            push_parts(sweep, a, b, sweep->spans[i]);
+            push_parts(sweep, a, b, sweep->spans[i], sweep->t_end);
         }
     }
     if (sweep->span_count > end && !sweep->stops) {
@@ -1313,29 +1313,62 @@ void eng_sweep_begin(struct eng_sweep *sweep)
         sweep->spans = NULL;
         sweep->span_capacity = 0;
     }
+    sweep->root_count = 0;
+    sweep->root_tests = 0;
+    sweep->has_roots = false;
     sweep->looks_left = LOOKS;
 }
 
 /* Begin a run, or to divide one: nothing is left of those before. */
 static void begin_run(struct eng_sweep *sweep)
 {
-    sweep->span_count = 0;
+    sweep->span_count = sweep->root_count;
     sweep->stops = false;
     sweep->status = PCCD_OK;
-    sweep->box_tests = 0;
+    sweep->box_tests = sweep->root_tests;
     sweep->leaf_tests = 0;
+}
+
+/* Push the parts of a span in which the two may meet. */
+static void push_span(struct eng_sweep *sweep, const struct item *a, const struct item *b,
+                      struct eng_sweep_span span, double t_end)
+{
+    look(sweep, 1);
+    if (begin_of(span) <= t_end && !sweep->stops && may_meet(sweep, span, a, b)) {
+        push_parts(sweep, a, b, span, t_end);
+    }
+}
+
+/* Push the spans in which the roots may meet, up to t_last: all tasks of two bodies begin
+ * with them, and each counts what they took, whichever task has found them. */
+static void push_roots(struct eng_sweep *sweep)
+{
+    const struct eng_sweep_span whole = {0, 0, 0};
+    const struct item a = root_of(sweep, 0);
+    const struct item b = root_of(sweep, 1);
+    push_span(sweep, &a, &b, whole, sweep->t_last);
+    if (!sweep->stops) {
+        sweep->root_count = sweep->span_count;
+        sweep->root_tests = sweep->box_tests;
+        sweep->has_roots = true;
+    }
 }
 
 /* Push the spans in which the two may meet. */
 static bool push_all(struct eng_sweep *sweep, const struct item *a, const struct item *b)
 {
-    const struct eng_sweep_span whole = {0, 0, 0};
-    sweep->span_count = 0;
-    look(sweep, 1);
-    if (may_meet(sweep, whole, a, b)) {
-        push_parts(sweep, a, b, whole);
+    if (!sweep->has_roots) {
+        push_roots(sweep);
     }
-    return sweep->span_count > 0;
+    sweep->span_count = sweep->root_count;
+    for (uint32_t i = 0; i < sweep->root_count; i++) {
+        if (a->ref == 0 && b->ref == 0) {
+            push(sweep, sweep->spans[i]);
+        } else {
+            push_span(sweep, a, b, sweep->spans[i], sweep->t_end);
+        }
+    }
+    return sweep->span_count > sweep->root_count;
 }
 
 static uint64_t task_of(const struct item *a, const struct item *b)
@@ -1377,7 +1410,7 @@ int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)
     struct item b = item_of(sweep, 1, (uint32_t)task);
     begin_run(sweep);
     if (push_all(sweep, &a, &b)) {
-        join(sweep, &a, &b, 0);
+        join(sweep, &a, &b, sweep->root_count);
     }
     return sweep->status;
 }

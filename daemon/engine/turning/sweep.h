@@ -40,6 +40,7 @@ struct eng_sweep {
     double fineness; /* spans are not divided for less */
     bool wants_free; /* also pairs of free points, and of these with free edges */
     double t_end;    /* what may meet later may be left out; can be made less meanwhile */
+    double t_last;   /* the same, but it stays, whatever is found: not less than t_end */
     uint64_t tests_most; /* a run that needs more tests of boxes ends */
     /* Take a pair. False: no more is wanted. */
     bool (*take)(void *owner, const struct eng_sweep_pair *pair);
@@ -57,8 +58,11 @@ struct eng_sweep {
     float slack;         /* what rounding adds to a gap, but for where the two are */
     float margin;        /* keep and errors of poses, rounded up */
     struct eng_sweep_frames *frames;
-    struct eng_sweep_span *spans; /* a stack */
+    struct eng_sweep_span *spans; /* a stack, of which .. */
     uint32_t span_count, span_capacity;
+    uint32_t root_count; /* .. so many stay: those in which the roots may meet */
+    uint64_t root_tests; /* of boxes, that these took */
+    bool has_roots;      /* they are there */
 };
 
 /* Make and free what is kept from one pair of bodies to the next. PCCD_E_NOMEM. */

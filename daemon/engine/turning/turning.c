@@ -140,8 +140,9 @@ static double end_of(const struct eng_turning *turning)
  * that is kept in the end depends on how soon the bound was known. */
 static void take_bound(struct eng_turning *turning)
 {
-    turning->sweep.t_end =
-        end_of(turning) + turning->worker->question->tolerance + BEGINS_LATER;
+    const double later = turning->worker->question->tolerance + BEGINS_LATER;
+    turning->sweep.t_end = end_of(turning) + later;
+    turning->sweep.t_last = turning->period + later;
 }
 
 static bool should_stop(void *owner)
