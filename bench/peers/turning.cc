@@ -784,6 +784,9 @@ void beside_straight(const char *name, const world &straight, const world &turni
     std::vector<double> ms[2];
     for (int i = 0; i < 16 * times; i++) { // trees are made little by little
         (void)scenes[0].step(straight, straight.motions[0], true, settings, is_half);
+        if (is_half) {
+            (void)scenes[1].step(turning, turning.motions[0], false, settings, true);
+        }
     }
     for (int i = 0; i <= times; i++) {
         for (int turns = 0; turns < 2; turns++) {

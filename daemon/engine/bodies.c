@@ -51,10 +51,11 @@ bool eng_bodies_may(const struct eng_scene *scene, const struct eng_question *qu
                !question->tells_start && !question->weigh && !eng_asks_part(question) &&
                !eng_asks_touching(question) && !scene->thickness.is_on &&
                !eng_masks_have_clearances(&scene->masks) && !scene->has_lost_start &&
-               !eng_scene_turns(scene) && !(question->brief && scene->staging) &&
+               !(eng_scene_turns(scene) && question->mode == PCCD_MODE_ANY) &&
+               !(question->brief && scene->staging) &&
                (question->team_always || !has_to_end_soon(question));
     for (uint32_t i = 0; i < scene->write_count && may && scene->staging; i++) {
-        may = scene->writes[i].has_poses;
+        may = scene->writes[i].has_poses || scene->writes[i].joint != PCCD_NO_JOINT;
     }
     eng_step_memory_of(scene)->bodies.wants_trees = false;
     return may;
@@ -118,7 +119,8 @@ static struct sum sum_of(const struct eng_scene *scene)
         if (!object->mesh) {
             continue;
         }
-        bool moves = object->moves != ENG_STANDS;
+        bool turns = object->joint != PCCD_NO_JOINT; /* others see to it */
+        bool moves = object->moves != ENG_STANDS && !turns;
         sum.objects += moves;
         sum.leaves += moves ? object->mesh->leaf_count : 0;
         sum.far += moves && goes_far(object) ? object->mesh->leaf_count : 0;
@@ -160,7 +162,7 @@ bool eng_bodies_choose(struct eng_scene *scene, const struct eng_question *quest
         return bodies->is_last; /* and its boxes are older: there is nothing to do */
     }
     const struct sum sum = sum_of(scene);
-    if (!sum.are_bodies) {
+    if (!sum.are_bodies || sum.objects == 0) {
         return false;
     }
     bodies->leaves = sum.leaves;

@@ -7,6 +7,8 @@
  * poses, each of all vertices of an object that is not tested against itself (rigid.h);
  * and if the last answer tells of what stands, or nothing does. It is one where that pays
  * (bodies.c), and no deadline is near: after one that ends early all boxes would be made.
+ * Objects that turn may be beside those, but in mode any: they are tested in body space
+ * in any step (turning/sweep.h).
  *
  * Threads: [compute], but for share.
  */

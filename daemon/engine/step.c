@@ -310,28 +310,20 @@ static void perform_turning(struct eng_team *team, struct eng_worker *worker)
     eng_turning_step_perform(&eng_step_memory_of(team->scene)->turning, worker);
 }
 
-/* Have objects that turn tested after all others; or alone, if nothing else moves and the
- * last answer tells of what stands, or nothing stands. The method makes no boxes then. */
-static void begin_turning(struct eng_team *team)
+/* Have objects that turn tested after all others; or alone, if nothing else moves, or
+ * what does is tested in body space, too, and the last answer tells of what stands, or
+ * nothing stands. The method makes no boxes then. */
+static void begin_turning(struct eng_team *team, bool by_bodies)
 {
     const struct eng_scene *scene = team->scene;
-    eng_turning_step_begin(&eng_step_memory_of(scene)->turning, team->workers[0],
-                           team->count);
+    eng_turning_step_begin(&eng_step_memory_of(scene)->turning, by_bodies,
+                           team->workers[0], team->count);
     team->after = perform_turning;
-    if (scene->turning_count == scene->object_count ||
+    if (by_bodies || scene->turning_count == scene->object_count ||
         (team->prunes && eng_moving_turns_alone(scene))) {
         team->search = perform_turning;
         team->has_boxes = true;
     }
-}
-
-/* Have what moves tested in body space alone. The method makes no boxes. */
-static void begin_bodies(struct eng_team *team)
-{
-    eng_turning_step_begin(&eng_step_memory_of(team->scene)->turning, team->workers[0],
-                           team->count);
-    team->search = perform_turning;
-    team->has_boxes = true;
 }
 
 /* Remember of mode any what the rest of the step has shown, whatever turning objects
@@ -404,13 +396,12 @@ static int prepare(struct eng_scene *scene, const struct eng_question *question,
     }
     status = eng_detect_prepare(scene, question, effort_of(memory, question, turns),
                                 &memory->sorted, stop, team);
-    if (status == PCCD_OK && turns) {
-        status = eng_turning_step_prepare(&memory->turning, scene, false, team->workers,
-                                          team->count);
-    } else if (status == PCCD_OK && eng_bodies_may(scene, question)) {
-        *may_be_bodies = true;
-        status = eng_turning_step_prepare(&memory->turning, scene, true, team->workers,
-                                          team->count);
+    if (status == PCCD_OK) {
+        *may_be_bodies = eng_bodies_may(scene, question);
+    }
+    if (status == PCCD_OK && (turns || *may_be_bodies)) {
+        status = eng_turning_step_prepare(&memory->turning, scene, turns, *may_be_bodies,
+                                          team->workers, team->count);
     }
     return status == PCCD_OK ? reserve(scene, question) : status;
 }
@@ -421,10 +412,8 @@ static void start(struct eng_team *team, const struct eng_question *question, bo
 {
     struct eng_scene *scene = team->scene;
     eng_box_frames_follow(scene);
-    if (turns && !question->brief) {
-        begin_turning(team);
-    } else if (by_bodies) {
-        begin_bodies(team);
+    if (by_bodies || (turns && !question->brief)) {
+        begin_turning(team, by_bodies);
     }
     if (!by_bodies) {
         eng_bodies_leave(scene, question);

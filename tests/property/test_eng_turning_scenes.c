@@ -1,13 +1,14 @@
 /* test_eng_turning_scenes.c - whole steps of small scenes in which bodies turn, against
  * an oracle that is asked of every pair of features by intervals.
  *
- * Each of three objects turns on joints, which two of them may share, deforms or stands;
- * each has some faces, a free edge and a free point. Every mode, by every method, number
- * of threads and instruction set.
+ * Each of three objects turns on joints, which two of them may share, deforms, goes from
+ * one pose to another, or stands; each has some faces, a free edge and a free point.
+ * Every mode, by every method, number of threads and instruction set.
  *
  * PCCD_TURNING_SCENES: so many are tried.
  */
 #include "cases.h"
+#include "coordinates.h"
 #include "eng_kit.h"
 #include "eng_way.h"
 #include "scene.h"
@@ -30,6 +31,8 @@ struct body {
     uint32_t edges[EDGES_MAX][2]; /* as a mesh numbers them */
     uint32_t edge_count;
     uint32_t joint;
+    bool has_pose; /* it goes from where it is registered to .. */
+    double pose[12];
     double radius;
     struct eng_mesh *mesh;
 };
@@ -44,7 +47,7 @@ struct trial {
 };
 
 static struct {
-    uint64_t pairs, contacts, possible, unknown, incomplete;
+    uint64_t pairs, contacts, possible, unknown, incomplete, bodies;
 } sums;
 
 /* ---- scenes ------------------------------------------------------------------------ */
@@ -108,6 +111,18 @@ static void slow_down(struct turning_drawn *drawn)
     }
 }
 
+/* Somewhere else, turned and pressed by something. */
+static void set_pose(struct trial *trial, struct body *body)
+{
+    body->has_pose = true;
+    for (int i = 0; i < 12; i++) {
+        body->pose[i] = (i % 5 == 0) + prng_between(&trial->prng, -0.5, 0.5);
+    }
+    for (uint32_t i = 0; i < VERTICES; i++) {
+        common_transform(body->pose, body->x[0][i], body->x[1][i]);
+    }
+}
+
 static void begin(struct trial *trial, uint64_t seed)
 {
     *trial = (struct trial){.seed = seed, .prng = {seed}};
@@ -122,12 +137,14 @@ static void begin(struct trial *trial, uint64_t seed)
         body->joint = PCCD_NO_JOINT;
         body->radius = is_thick && prng_below(&trial->prng, 2) ? 0.1 : 0;
         uint64_t motion = prng_below(&trial->prng, 8);
-        if (motion < 5 || i == 0) {
+        if (motion < 4 || i == 0) {
             drawn->way = (enum turning_way)prng_u32(&trial->prng, TURNING_CHAIN);
             shared = turning_draw_joints(&trial->prng, drawn,
                                          motion % 2 ? shared : PCCD_NO_JOINT);
             body->joint = shared;
-        } else if (motion < 7) {
+        } else if (motion < 6) {
+            set_pose(trial, body);
+        } else if (motion == 6) {
             for (uint32_t k = 0; k < 3 * VERTICES; k++) {
                 body->x[1][k / 3][k % 3] = prng_between(&trial->prng, -1, 1);
             }
@@ -146,6 +163,10 @@ static struct eng_scene *stage(const struct trial *trial)
                                                        .radius = trial->body[i].radius};
         assert_ok(eng_scene_add(scene, trial->body[i].mesh, i + 1, &idx[i]));
         assert_ok(eng_scene_set_thickness(scene, idx[i], &thickness));
+        if (trial->body[i].has_pose) { /* a body is not tested against itself */
+            const struct eng_object_filter alone = {1, UINT64_MAX, .self = false};
+            assert_ok(eng_scene_set_filter(scene, idx[i], &alone));
+        }
     }
     eng_stage_begin(scene);
     assert_ok(
@@ -154,6 +175,9 @@ static struct eng_scene *stage(const struct trial *trial)
         const struct body *body = &trial->body[i];
         if (body->joint != PCCD_NO_JOINT) {
             assert_ok(eng_stage_turning(scene, idx[i], base + body->joint));
+        } else if (body->has_pose) {
+            static const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+            assert_ok(eng_stage_rigid(scene, idx[i], 0, VERTICES, here, body->pose));
         } else {
             assert_ok(
                 eng_stage_x1(scene, idx[i], PCCD_FORMAT_F64, 0, VERTICES, body->x[1]));
@@ -362,6 +386,7 @@ CASE(scenes__meet_where_intervals_say_in_every_way)
             settings.distance = trial.separation;
             way_choose(i, &settings);
             struct eng_step_result result = kit_step(scene, &settings);
+            sums.bodies += way_was_by_bodies(scene);
             if (i == 0) {
                 trial.result = result;
                 first = scene;
@@ -387,9 +412,11 @@ CASE(scenes__meet_where_intervals_say_in_every_way)
         end(&trial);
     }
     printf("# %llu scenes, %llu pairs: %llu meet, %llu are possible; the oracle cannot "
-           "tell %llu; %llu scenes not complete\n",
+           "tell %llu; %llu scenes not complete; %llu steps in body space\n",
            (unsigned long long)most, (unsigned long long)sums.pairs,
            (unsigned long long)sums.contacts, (unsigned long long)sums.possible,
-           (unsigned long long)sums.unknown, (unsigned long long)sums.incomplete);
+           (unsigned long long)sums.unknown, (unsigned long long)sums.incomplete,
+           (unsigned long long)sums.bodies);
+    assert_true(most < 100 || sums.bodies > 0);
     assert_true(sums.contacts > 0 && sums.incomplete <= 1 + most / 50);
 }

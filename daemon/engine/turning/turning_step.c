@@ -77,13 +77,13 @@ static int reserve_keys(struct eng_turning_step *step, uint32_t count)
 }
 
 int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_scene *scene,
-                             bool is_straight, struct eng_worker *const *workers,
-                             uint32_t count)
+                             bool turns, bool may_be_by_poses,
+                             struct eng_worker *const *workers, uint32_t count)
 {
     uint32_t capacity = scene->object_capacity;
     int status = PCCD_OK;
     step->scene = scene;
-    step->is_straight = is_straight;
+    step->turns = turns;
     step->workers = workers;
     step->worker_count = count;
     if (step->part_capacity < capacity) {
@@ -105,9 +105,10 @@ int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_sce
         status = reserve_keys(step, capacity);
     }
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        if (is_straight && !workers[i]->straight) {
+        if (may_be_by_poses && !workers[i]->straight) {
             status = eng_straight_make(&workers[i]->straight);
-        } else if (!is_straight && !workers[i]->turning) {
+        }
+        if (status == PCCD_OK && turns && !workers[i]->turning) {
             status = eng_turning_make(&workers[i]->turning);
         }
     }
@@ -303,38 +304,47 @@ static uint64_t key_of(double x)
 }
 
 /* Return whether it is one of those that the step is about. */
-static bool turns_in(const struct eng_turning_step *step, const struct eng_object *object)
+static bool is_sought(const struct eng_turning_step *step,
+                      const struct eng_object *object)
 {
-    return step->is_straight ? object->moves != ENG_STANDS
-                             : object->joint != PCCD_NO_JOINT;
+    return object->joint != PCCD_NO_JOINT ||
+           (step->by_poses && object->moves != ENG_STANDS);
 }
 
-/* The objects that turn, then those that come near any of these. */
+/* Return whether neither of two objects turns. */
+static bool are_straight(const struct eng_turning_step *step, uint32_t a, uint32_t b)
+{
+    const struct eng_object *objects = step->scene->objects;
+    return objects[a].joint == PCCD_NO_JOINT && objects[b].joint == PCCD_NO_JOINT;
+}
+
+/* List the objects that the step is about, then those that come near any of these. */
 static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
 {
     const struct eng_scene *scene = step->scene;
     struct eng_bounds all = ENG_NO_BOUNDS;
     step->item_count = 0;
-    for (int turns = 1; turns >= 0; turns--) {
+    for (int sought = 1; sought >= 0; sought--) {
         for (uint32_t i = 0; i < scene->object_capacity; i++) {
             const struct eng_object *object = &scene->objects[i];
-            step->parts[i].takes_part = turns == 0 && step->parts[i].takes_part;
-            if (!object->mesh || turns_in(step, object) != (turns == 1) ||
+            step->parts[i].takes_part = false;
+            step->parts[i].meets_turning = false;
+            if (!object->mesh || is_sought(step, object) != (sought == 1) ||
                 object->bounds[0].low[0] > object->bounds[0].high[0]) {
                 continue;
             }
-            if ((turns == 1 || i % OBJECTS_PER_LOOK == 0) &&
+            if ((sought == 1 || i % OBJECTS_PER_LOOK == 0) &&
                 eng_worker_should_stop(worker)) {
                 return;
             }
             struct eng_turning_item *item = &step->items[step->item_count];
             set_around(step, object, item);
             item->object = i;
-            item->turns = turns == 1;
-            if (turns == 1) {
+            item->is_sought = sought == 1;
+            if (sought == 1) {
                 eng_bounds_unite(&all, &item->box);
             }
-            step->item_count += turns == 1 || !is_apart(&all, &item->box);
+            step->item_count += sought == 1 || !is_apart(&all, &item->box);
         }
     }
 }
@@ -389,6 +399,9 @@ static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
     step->couples[step->couple_count++] = (struct eng_turning_couple){.a = a, .b = b};
     join(step, a);
     join(step, b);
+    if (!are_straight(step, a, b)) {
+        step->parts[a].meets_turning = step->parts[b].meets_turning = true;
+    }
 }
 
 /* By where they begin along the axis: each with those that begin before it ends. */
@@ -414,7 +427,8 @@ static void list_couples(struct eng_turning_step *step, struct eng_worker *worke
             if (other->box.low[axis] > item->box.high[axis]) {
                 break;
             }
-            if ((item->turns || other->turns) && !is_apart(&item->box, &other->box) &&
+            if ((item->is_sought || other->is_sought) &&
+                !is_apart(&item->box, &other->box) &&
                 !are_spheres_apart(&item->sphere, &other->sphere) &&
                 eng_masks_allows(&step->scene->masks, item->object, other->object)) {
                 add_couple(step, item->object, other->object);
@@ -426,14 +440,16 @@ static void list_couples(struct eng_turning_step *step, struct eng_worker *worke
 /* Bring large ones to the front: they are divided. */
 static void choose_divided(struct eng_turning_step *step)
 {
-    uint64_t total = 0;
+    uint64_t total[2] = {0, 0}; /* of those that turn, and of others */
     for (uint32_t i = 0; i < step->couple_count; i++) {
-        total += size_of(step, &step->couples[i]);
+        const struct eng_turning_couple *couple = &step->couples[i];
+        total[are_straight(step, couple->a, couple->b)] += size_of(step, couple);
     }
     for (uint32_t i = 0; i < step->couple_count; i++) {
         const struct eng_turning_couple couple = step->couples[i];
+        uint64_t all = total[are_straight(step, couple.a, couple.b)];
         uint64_t size = size_of(step, &couple);
-        if (size >= ENG_TURNING_LARGE && size * ENG_TURNING_SHARES >= total) {
+        if (size >= ENG_TURNING_LARGE && size * ENG_TURNING_SHARES >= all) {
             step->couples[i] = step->couples[step->divided_count];
             step->couples[step->divided_count++] = couple;
         }
@@ -460,10 +476,11 @@ static void sort_couples(struct eng_turning_step *step)
     }
 }
 
-void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *worker,
-                            uint32_t threads)
+void eng_turning_step_begin(struct eng_turning_step *step, bool by_poses,
+                            struct eng_worker *worker, uint32_t threads)
 {
     const struct eng_question *question = worker->question;
+    step->by_poses = by_poses;
     step->separation = question->distance;
     step->resolution = question->resolution;
     step->tests_most = question->turning_tests;
@@ -548,10 +565,16 @@ static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
     if (status != PCCD_OK) {
         return status;
     }
-    if (object->joint != PCCD_NO_JOINT || (step->is_straight && object->has_poses)) {
+    if (object->joint != PCCD_NO_JOINT) {
         eng_body_set(body, object->mesh);
         part->fitted = 0;
         return PCCD_OK;
+    }
+    if (step->by_poses && object->has_poses) {
+        eng_body_set(&part->own, object->mesh);
+        if (!part->meets_turning) {
+            return PCCD_OK;
+        }
     }
     if (part->fitted > object->moved_number && body->mesh == object->mesh) {
         body->x[0] = positions_of(scene, object, 0); /* they change places */
@@ -592,14 +615,16 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
         .clearance = eng_thickness_clearance(step->scene, couple->a, couple->b),
         .resolution = step->resolution,
         .tests_most = step->tests_most};
+    const bool is_straight = are_straight(step, couple->a, couple->b);
     for (int side = 0; side < 2; side++) {
         const struct eng_object *object = &step->scene->objects[objects[side]];
-        both.side[side] =
-            (struct eng_turning_side){.object = object,
-                                      .body = &step->parts[objects[side]].body,
-                                      .joint = object->joint};
+        const struct eng_turning_part *part = &step->parts[objects[side]];
+        both.side[side] = (struct eng_turning_side){
+            .object = object,
+            .body = is_straight && object->has_poses ? &part->own : &part->body,
+            .joint = object->joint};
     }
-    if (step->is_straight) {
+    if (is_straight) {
         eng_straight_begin(worker->straight, worker, both.side);
         return PCCD_OK;
     }
@@ -615,7 +640,7 @@ static void divide(struct eng_turning_step *step, struct eng_worker *worker)
         struct eng_turning_couple *couple = &step->couples[i];
         uint64_t *tasks = step->tasks + i * ENG_TURNING_TASKS;
         int status = begin_couple(step, worker, couple);
-        if (step->is_straight) {
+        if (are_straight(step, couple->a, couple->b)) {
             couple->task_count =
                 eng_straight_split(worker->straight, ENG_TURNING_TASKS, tasks);
         } else if (status == PCCD_OK) {
@@ -649,7 +674,7 @@ static void try_couples(struct eng_turning_step *step, struct eng_worker *worker
 static void perform_task(const struct eng_turning_step *step, struct eng_worker *worker,
                          struct eng_turning_couple *couple, uint64_t task)
 {
-    if (step->is_straight) {
+    if (are_straight(step, couple->a, couple->b)) {
         eng_straight_perform(worker->straight, task);
         return;
     }
@@ -784,7 +809,7 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
 {
     uint64_t begin_ns = common_now_ns();
     uint64_t waited_ns = worker->record.wait_ns;
-    if (!step->is_straight) {
+    if (step->turns) {
         note_rest(step, worker);
     }
     if (step->has_failed) {
@@ -794,7 +819,7 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
     if (!step->is_alone) {
         eng_wait_for_all(worker);
     }
-    if (worker->question->mode == PCCD_MODE_ANY && !step->is_straight) {
+    if (worker->question->mode == PCCD_MODE_ANY && step->turns) {
         try_couples(step, worker);
     }
     if (step->divided_count > 0) {
@@ -804,9 +829,10 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
         }
     }
     perform_tasks(step, worker);
-    if (step->is_straight) {
+    if (step->by_poses) {
         eng_straight_end(worker->straight, worker);
-    } else if (worker->question->mode == PCCD_MODE_FIRST) {
+    }
+    if (step->turns && worker->question->mode == PCCD_MODE_FIRST) {
         if (!step->is_alone) {
             eng_wait_for_all(worker);
         }

@@ -1,11 +1,11 @@
-/* turning_step.h - the objects of a step that turn, each with all that it may meet; or,
- * of a step in which all that moves goes straight by poses, those that move.
+/* turning_step.h - the objects of a step that turn, each with all that it may meet; and,
+ * of a step in which all else that moves goes straight by poses, those that do.
  *
- * List the pairs of objects of which one turns, by boxes around what each of them sweeps;
- * then have all threads test them (turning.h, straight.h), large ones in tasks. Which are
- * large is a matter of the meshes of all pairs alone: so are the tasks, and where one of
- * them ends for want of looks, whatever threads there are. The methods leave objects that
- * turn out (masks.h).
+ * List the pairs of objects of which one turns, or moves, by boxes and spheres around
+ * what each of them sweeps; then have all threads test them (turning.h, straight.h),
+ * large ones in tasks. Which are large is a matter of the meshes of all pairs of their
+ * kind alone: so are the tasks, and where one of them ends for want of looks, whatever
+ * threads there are. The methods leave objects that turn out (masks.h).
  *
  * Threads: prepare, begin: [compute]; perform: [team].
  */
@@ -22,8 +22,10 @@
 /* The boxes of an object, kept from step to step while it stands. */
 struct eng_turning_part {
     struct eng_body body;
+    struct eng_body own; /* in a pair that goes straight, if it has poses: its mesh's */
     uint64_t fitted; /* moving.number of the step for which they were fitted; 0: none */
     bool takes_part; /* in this step */
+    bool meets_turning; /* it turns, or may meet one that does */
 };
 
 /* A sphere that an object stays in at all times of a step: its middle goes straight. */
@@ -37,7 +39,7 @@ struct eng_turning_item {
     struct eng_bounds box; /* around all places of it in the step, thickness included */
     struct eng_turning_sphere sphere; /* thickness included, too */
     uint32_t object;
-    bool turns;
+    bool is_sought; /* it turns; or goes straight, where the step is about these, too */
 };
 
 /* Two of these that may meet. */
@@ -72,7 +74,8 @@ struct eng_turning_step {
     uint32_t key_capacity;
     uint64_t *tasks; /* [divided_count][ENG_TURNING_TASKS] */
     uint32_t task_capacity;
-    bool is_straight; /* what moves in it, by poses, has the place of what turns */
+    bool turns;    /* it is about objects that turn */
+    bool by_poses; /* and about those that go straight, all by poses */
     bool is_alone;   /* by one thread: others of its OpenMP team have other steps */
     bool has_failed; /* there was no memory for all couples */
     struct eng_path path;
@@ -94,14 +97,15 @@ struct eng_turning_step {
 void eng_turning_step_deinit(struct eng_turning_step *step);
 uint64_t eng_turning_step_bytes(const struct eng_turning_step *step);
 
-/* Do what can fail before anything moves. PCCD_E_NOMEM. */
+/* Do what can fail before anything moves, for a step that is about objects that turn, and
+ * may be about those that go straight. PCCD_E_NOMEM. */
 int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_scene *scene,
-                             bool is_straight, struct eng_worker *const *workers,
-                             uint32_t count);
+                             bool turns, bool may_be_by_poses,
+                             struct eng_worker *const *workers, uint32_t count);
 
 /* List the pairs of objects, when the positions have moved on. `worker`: the first. */
-void eng_turning_step_begin(struct eng_turning_step *step, struct eng_worker *worker,
-                            uint32_t threads);
+void eng_turning_step_begin(struct eng_turning_step *step, bool by_poses,
+                            struct eng_worker *worker, uint32_t threads);
 
 /* Do a thread's part, when it has done its other tasks; waits for the others before the
  * first pair. */
