@@ -2,6 +2,7 @@
 #include "shown.h"
 
 #include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "printable.h"
@@ -69,5 +70,21 @@ const char *tool_shown_column(const char *text, uint32_t columns)
         shown[bytes++] = ' ';
         shown[bytes] = '\0';
     }
+    return shown;
+}
+
+const char *tool_shown_number(double number)
+{
+    char *shown = place();
+    (void)snprintf(shown, PLACE_BYTES, "%.4g", number);
+    return shown;
+}
+
+const char *tool_shown_interval(double low, double high)
+{
+    const char *from = tool_shown_number(low), *to = tool_shown_number(high);
+    char *shown = place();
+    (void)snprintf(shown, PLACE_BYTES, strcmp(from, to) == 0 ? "%s" : "%s to %s", from,
+                   to);
     return shown;
 }

@@ -33,7 +33,7 @@ head_row=kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz,x,y,z
 # is, or where.
 ctl near --distance 0.5 --csv rows floor.obj above.obj &&
     grep -q '^near  *1 pair within 0.5: 1 vertex-face$' out &&
-    grep -q '^distance  *0.5 to 0.5$' out && grep -q '^answer  *complete$' out &&
+    grep -q '^distance  *0.5$' out && grep -q '^answer  *complete$' out &&
     says '^nearest +vertex 0 of "above" and face 0 of "floor" at \(0.25, 0.25, 0\)$' && same "$head_row
 vf,vf,2,1,0,0,1,2,,0.5,0.5,1,0.25,0.25,0,0,1,0.25,0.25,0"
 report "pairs: a distance of exactly D is within it"
@@ -155,7 +155,7 @@ echo 'f 1 2 3' >>wide.obj
 printf 'v %s\n' '0 0 -2' '1 0 6' '0 1 6' >pierce.obj
 echo 'f 1 2 3' >>pierce.obj
 ctl near --what nearest --csv rows wide.obj pierce.obj && same "$head_row
-ef,,2,1,0,1,0,1,2,0,0,1,0.25,0,0,0,0,0.25,0,0" && grep -q '^distance  *0 to 0$' out &&
+ef,,2,1,0,1,0,1,2,0,0,1,0.25,0,0,0,0,0.25,0,0" && grep -q '^distance  *0$' out &&
     ctl near --what nearest --json wide.obj pierce.obj && json ef 1 crossings null &&
     ctl near --distance 1 wide.obj pierce.obj && grep -q '^near  *0 pairs' out &&
     grep -q '^crossings  *2$' out &&

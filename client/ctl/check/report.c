@@ -275,7 +275,8 @@ void report_print_place(FILE *to, const char *head, const char *verb,
         }
     }
     if (first->is_known) {
-        fprintf(to, " at (%.4g, %.4g, %.4g)", first->x, first->y, first->z);
+        fprintf(to, " at (%s, %s, %s)", tool_shown_number(first->x),
+                tool_shown_number(first->y), tool_shown_number(first->z));
     }
 }
 
@@ -284,7 +285,7 @@ static void print_first(FILE *to, const struct report_scene *scene,
 {
     const struct pccd_answer *answer = &step->answer;
     if (answer->toi_first < NO_TOI) {
-        fprintf(to, "first at   t = %.4g", answer->toi_first);
+        fprintf(to, "first at   t = %s", tool_shown_number(answer->toi_first));
         report_print_place(to, ": ", " meets ", scene, &step->first);
         fputc('\n', to);
     } else if (answer->crossings > 0) {
@@ -333,7 +334,7 @@ static void print_records(FILE *to, const struct report_scene *scene,
                 answer->inside);
     }
     print_first(to, scene, step);
-    fprintf(to, "safe step  %.4g\n", round_down(answer->safe_step));
+    fprintf(to, "safe step  %s\n", tool_shown_number(round_down(answer->safe_step)));
     if (answer->coincident > answer->total / 2) {
         fputs(
             "warning    most contacts touch in vertices at the start. Is a surface split "
@@ -489,7 +490,7 @@ void report_print_line(FILE *to, const struct report_scene *scene, uint32_t numb
     print_kinds_briefly(to, answer->counts);
     fprintf(to, ", %" PRIu64 " possible)", answer->possible);
     if (answer->toi_first < NO_TOI) {
-        fprintf(to, ", first at %.4g", answer->toi_first);
+        fprintf(to, ", first at %s", tool_shown_number(answer->toi_first));
         report_print_place(to, ": ", " meets ", scene, &step->first);
     }
     if (answer->crossings > 0) {

@@ -12,6 +12,7 @@
 #include "output.h"
 #include "play_options.h"
 #include "printable.h"
+#include "shown.h"
 #include "snapshot.h"
 #include "whole_file.h"
 
@@ -192,7 +193,7 @@ static bool list_step(const struct record_answer *answer, json_t *steps)
         printf("step %" PRIu64 ": %" PRIu64 " %s", answer->step, answer->total,
                proto_plural(answer->total, "record", "records"));
         if (is_met) {
-            printf(", first at t = %.4g", answer->toi_first);
+            printf(", first at t = %s", tool_shown_number(answer->toi_first));
         }
         putchar('\n');
         return true;

@@ -174,10 +174,10 @@ static void name_scene(const struct drawing *drawing, bool is_found, char *title
     const struct robot *robot = drawing->sweep->robot;
     size_t used = (size_t)snprintf(title, room, "%s", words[scene->worth]);
     for (uint32_t k = 0; k < scene->range.count && used < room; k++) {
-        used += (size_t)snprintf(title + used, room - used, "%s %s = %.6g",
-                                 k > 0 ? "," : " at",
-                                 tool_shown(robot->joints[scene->range.joints[k]].name),
-                                 scene->at.at.ends[k][0]);
+        used +=
+            (size_t)snprintf(title + used, room - used, "%s %s = %s", k > 0 ? "," : " at",
+                             tool_shown(robot->joints[scene->range.joints[k]].name),
+                             tool_shown_number(scene->at.at.ends[k][0]));
     }
     for (uint32_t i = 0; i < 2 && is_found && used < room; i++) {
         const struct robot_shape *shape = &robot->shapes[drawing->shapes[i]];

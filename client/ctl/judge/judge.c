@@ -40,7 +40,8 @@ static void print_feature(FILE *to, const struct judged_contact *contact, int si
 
 static void print_contact(FILE *to, const struct judged_contact *contact)
 {
-    fprintf(to, ", at t in [%.9g, %.9g], between ", contact->at.toi, contact->at.toi_hi);
+    fprintf(to, ", at t = %s, between ",
+            tool_shown_interval(contact->at.toi, contact->at.toi_hi));
     print_feature(to, contact, 0);
     fputs(" and ", to);
     print_feature(to, contact, 1);

@@ -10,6 +10,7 @@
 #include "names.h"
 #include "output.h"
 #include "printable.h"
+#include "shown.h"
 
 #define NO_DISTANCE 1e18 /* above any; the daemon says 2e18 when there is no record */
 
@@ -57,10 +58,10 @@ static void print_question(FILE *to, const struct near_run *near)
         to, "near       %" PRIu64 " %s", answer->total,
         proto_plural(answer->total, texts[settings->what][0], texts[settings->what][1]));
     if (has_limit) {
-        fprintf(to, " within %.9g", settings->distance);
+        fprintf(to, " within %s", tool_shown_number(settings->distance));
     }
     if (settings->what == PCCD_NEAR_NEAREST && settings->gap > 0) {
-        fprintf(to, ", others may be nearer by %.9g", settings->gap);
+        fprintf(to, ", others may be nearer by %s", tool_shown_number(settings->gap));
     }
     print_kinds(to, answer);
 }
@@ -99,11 +100,11 @@ static void print_found(FILE *to, const struct near_run *near)
         print_place(to, near, "where", &near->touching.first);
     }
     if (what == PCCD_NEAR_DEPTH) {
-        fprintf(to, "depth      %.4g\n", answer->distance_max);
+        fprintf(to, "depth      %s\n", tool_shown_number(answer->distance_max));
         print_place(to, near, "deepest", &near->step.first);
     } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
-        fprintf(to, "distance   %.4g to %.4g\n", answer->distance_min,
-                answer->distance_max);
+        fprintf(to, "distance   %s\n",
+                tool_shown_interval(answer->distance_min, answer->distance_max));
         print_place(to, near, "nearest", &near->step.first);
     }
 }

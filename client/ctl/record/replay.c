@@ -188,8 +188,8 @@ static void print_side(const struct replay_item *item, const char *name,
                 side->total);
     } else {
         fprintf(columns_fitted(stdout),
-                "  %s  %s, %" PRIu64 " records, the first at t = %.9g\n", name, text,
-                side->total, side->toi_first);
+                "  %s  %s, %" PRIu64 " records, the first at t = %s\n", name, text,
+                side->total, tool_shown_number(side->toi_first));
     }
 }
 

@@ -24,14 +24,10 @@ static bool turns(const struct robot *robot, uint32_t joint)
 static void print_values(FILE *to, const struct robot *robot, uint32_t joint,
                          const double ends[2])
 {
-    bool is_one = ends[0] == ends[1];
-    fprintf(to, "%.12g", ends[0]);
-    if (!is_one) {
-        fprintf(to, " to %.12g", ends[1]);
-    }
+    fputs(tool_shown_interval(ends[0], ends[1]), to);
     if (turns(robot, joint)) {
-        fprintf(to, is_one ? " rad (%.4g deg)" : " rad (%.4g to %.4g deg)",
-                ends[0] * DEGREES, ends[1] * DEGREES);
+        fprintf(to, " rad (%s deg)",
+                tool_shown_interval(ends[0] * DEGREES, ends[1] * DEGREES));
     }
 }
 
@@ -60,12 +56,14 @@ void sweep_report_begin(FILE *to, const struct sweep *sweep)
             tool_shown(robot->path), robot->joint_count, robot->part_count,
             robot->shape_count, sweep->pair_count);
     if (sweep->clearance > 0) {
-        fprintf(to, "clearance  %.12g: what comes nearer is a jam\n", sweep->clearance);
+        fprintf(to, "clearance  %s: what comes nearer is a jam\n",
+                tool_shown_number(sweep->clearance));
     }
     for (size_t i = 0; i < robot->pair_count; i++) {
         const struct robot_pair *pair = &robot->pairs[i];
         if (pair->clearance != ROBOT_APART) {
-            fprintf(to, "clearance  %.12g between %s and %s\n", pair->clearance,
+            fprintf(to, "clearance  %s between %s and %s\n",
+                    tool_shown_number(pair->clearance),
                     tool_shown(robot->parts[pair->parts[0]].name),
                     tool_shown(robot->parts[pair->parts[1]].name));
         }
@@ -80,13 +78,13 @@ void sweep_report_still(FILE *to, const struct robot *robot)
             fprintf(to, "joint      %s: %s, held where it is\n", tool_shown(joint->name),
                     joint->held);
         } else if (joint->leader != ROBOT_NONE && joint->kind != PCCD_JOINT_FIXED) {
-            fprintf(to, "joint      %s: follows %s, times %.12g plus %.12g\n",
+            fprintf(to, "joint      %s: follows %s, times %s plus %s\n",
                     tool_shown(joint->name),
-                    tool_shown(robot->joints[joint->leader].name), joint->factor,
-                    joint->offset);
+                    tool_shown(robot->joints[joint->leader].name),
+                    tool_shown_number(joint->factor), tool_shown_number(joint->offset));
         } else if (robot_is_free(robot, i) && joint->range[0] == joint->range[1]) {
-            fprintf(to, "joint      %s: %.12g to %.12g, does not move\n",
-                    tool_shown(joint->name), joint->range[0], joint->range[1]);
+            fprintf(to, "joint      %s: %s, does not move\n", tool_shown(joint->name),
+                    tool_shown_number(joint->range[0]));
         }
     }
 }
@@ -94,7 +92,7 @@ void sweep_report_still(FILE *to, const struct robot *robot)
 static void print_gaps(FILE *to, const struct robot *robot,
                        const struct sweep_range *range, const struct sweep_answer *answer)
 {
-    fprintf(to, "  undecided  %.3g of the range\n", answer->undecided);
+    fprintf(to, "  undecided  %s of the range\n", tool_shown_number(answer->undecided));
     for (size_t i = 0; i < answer->gap_count && i < GAPS_SHOWN; i++) {
         fprintf(to, "    ");
         print_box(to, robot, range, &answer->gaps[i]);
@@ -139,8 +137,8 @@ void sweep_report_range(FILE *to, const struct sweep *sweep,
         print_gaps(to, robot, range, answer);
     }
     if (isfinite(answer->least[1])) {
-        fprintf(to, "  least distance  %.12g to %.12g%s: %s and %s, at ",
-                answer->least[0], answer->least[1],
+        fprintf(to, "  least distance  %s%s: %s and %s, at ",
+                tool_shown_interval(answer->least[0], answer->least[1]),
                 robot_has_clearances(robot) ? " above the clearance" : "",
                 part_of(robot, answer->nearest.shapes[0]),
                 part_of(robot, answer->nearest.shapes[1]));
@@ -160,7 +158,7 @@ void sweep_report_edge(FILE *to, const struct robot *robot, uint64_t line,
     fprintf(to, "edge       line %" PRIu64 ": %s", line,
             sweep_verdict_name(sweep_hit_verdict(hit)));
     if (hit->is_there) {
-        fprintf(to, ", t %.12g to %.12g: %s and %s", hit->t[0], hit->t[1],
+        fprintf(to, ", t %s: %s and %s", tool_shown_interval(hit->t[0], hit->t[1]),
                 part_of(robot, hit->shapes[0]), part_of(robot, hit->shapes[1]));
     }
     fprintf(to, "\n");
