@@ -576,6 +576,13 @@ public:
         return status == PCCD_OK ? result<done>(done{}) : detail::last(link_, status);
     }
     void set(const pccd_object_settings &settings) { try_set(settings).value(); }
+    // What people who look at a recording are told that it is (pccd_object_name).
+    result<done> try_set_name(const std::string &name)
+    {
+        const int status = pccd_object_name(link_.get(), scene_, id_, name.c_str());
+        return status == PCCD_OK ? result<done>(done{}) : detail::last(link_, status);
+    }
+    void set_name(const std::string &name) { try_set_name(name).value(); }
     // Half its thickness, in the unit of the coordinates.
     void set_radius(double radius)
     {

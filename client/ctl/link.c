@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "proto_limits.h"
 
 static void set_url(const struct argp_state *state, struct ctl_link *link,
                     const char *prefix, const char *rest)
@@ -153,4 +154,13 @@ void ctl_link_deinit(struct ctl_link *link)
 {
     free(link->url);
     link->url = NULL;
+}
+
+int ctl_name_object(struct pccd_client *client, uint32_t scene, uint32_t object,
+                    const char *name)
+{
+    char text[PROTO_STR_MAX + 1];
+    (void)snprintf(text, sizeof text, "%s", name);
+    int status = pccd_object_name(client, scene, object, text);
+    return status == PCCD_E_VERSION ? PCCD_OK : status;
 }

@@ -110,7 +110,7 @@ libctl_la_SOURCES = \
     client/ctl/record/answers.c \
     client/ctl/record/frames.c \
     client/ctl/record/play.c \
-    client/ctl/record/play_options.c \
+    client/ctl/record/play_options.c client/ctl/record/play_up.c \
     client/ctl/record/recorded_state.c \
     client/ctl/record/replay.c \
     client/ctl/record/replayer.c \

@@ -37,6 +37,7 @@ static const struct {
     {PROTO_FEATURE_TOUCHING, "; it does not tell what becomes of what touches"},
     {PROTO_FEATURE_TURNING, "; to it all that moves goes straight"},
     {PROTO_FEATURE_CLEARANCE, "; to it two objects have no clearance of their own"},
+    {PROTO_FEATURE_NAMES, "; it cannot tell others what an object is called"},
 };
 
 int cli_check_feature(struct pccd_client *client, uint64_t feature, const char *what)

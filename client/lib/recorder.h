@@ -74,6 +74,9 @@ typedef int (*cli_record_fn)(struct pccd_client *client, enum record_kind kind,
 /* Write a mesh by `add`. */
 int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
                         const struct registry_shape *shape, cli_record_fn add);
+/* Write by `add` what an object is called; "": nothing any more. */
+int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t object,
+                        const char *name, cli_record_fn add);
 /* Append an object with a shape of its own, in doubles. */
 int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
                          const struct registry_shape *shape);

@@ -50,6 +50,16 @@ int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
     return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
 }
 
+int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t object,
+                        const char *name, cli_record_fn add)
+{
+    const struct record_name head = {
+        .scene = scene, .object = object, .bytes = (uint32_t)strlen(name)};
+    const struct record_part parts[] = {{&head, sizeof head}, {name, head.bytes}};
+
+    return add(client, RECORD_NAME, parts, 2);
+}
+
 int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
                          const struct registry_shape *shape)
 {
@@ -157,19 +167,22 @@ int cli_record_motion(struct pccd_client *client, int method,
 
 /* ---- what was made, set or destroyed ----------------------------------------------- */
 
-/* Write what an object may meet, and what it may not. */
-static int write_filter(struct pccd_client *client,
-                        const struct proto_OBJECT_SET_request *set, cli_record_fn add)
+/* Write what an object may meet, and what it may not; what it is called. */
+static int write_settings(struct pccd_client *client,
+                          const struct proto_OBJECT_SET_request *set, cli_record_fn add)
 {
     struct common_attributes given;
     struct record_filter filter;
 
     COMMON_ATTRIBUTES_COPY(&given, set);
     record_filter_make(&filter, set->scene, set->object, set->what, &given);
-    return set->what == 0 /* it was only looked at */
-               ? 0
-               : add(client, RECORD_FILTER, &(struct record_part){&filter, sizeof filter},
-                     1);
+    int status = set->what == 0 /* it was only looked at */
+                     ? 0
+                     : add(client, RECORD_FILTER,
+                           &(struct record_part){&filter, sizeof filter}, 1);
+    return status == 0 && set->has_name
+               ? cli_record_put_name(client, set->scene, set->object, set->name, add)
+               : status;
 }
 
 static int write_pair(struct pccd_client *client,
@@ -238,7 +251,7 @@ int cli_record_change(struct pccd_client *client, int method,
         kind = RECORD_MESH_GONE;
         break;
     case PROTO_METHOD_OBJECT_SET:
-        return write_filter(client, &params->OBJECT_SET, add);
+        return write_settings(client, &params->OBJECT_SET, add);
     case PROTO_METHOD_SCENE_IGNORE:
         return write_pair(client, &params->SCENE_IGNORE, add);
     default:

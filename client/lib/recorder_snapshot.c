@@ -104,6 +104,15 @@ static int write_filter(struct pccd_client *client, const struct registry_scene 
                                 &(struct record_part){&filter, sizeof filter}, 1);
 }
 
+/* Write what an object is called, if anything. */
+static int write_name(struct pccd_client *client, const struct registry_scene *scene,
+                      const struct registry_object *kept)
+{
+    return kept->name == NULL ? 0
+                              : cli_record_put_name(client, scene->handle, kept->handle,
+                                                    kept->name, cli_record_add);
+}
+
 static int write_object(struct pccd_client *client, const struct registry_scene *scene,
                         const struct registry_object *kept)
 {
@@ -113,7 +122,8 @@ static int write_object(struct pccd_client *client, const struct registry_scene 
                                 &(struct record_part){&object, sizeof object}, 1);
 
     status = status != 0 ? status : write_place(client, scene, kept);
-    return status != 0 ? status : write_filter(client, scene, kept);
+    status = status != 0 ? status : write_filter(client, scene, kept);
+    return status != 0 ? status : write_name(client, scene, kept);
 }
 
 /* Those of its objects that have a clearance. */

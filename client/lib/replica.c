@@ -97,6 +97,10 @@ static void set_object(struct pccd_client *client,
 
         COMMON_ATTRIBUTES_COPY(&given, set);
         registry_set_object(object, set->what, &given);
+        if (set->has_name &&
+            registry_name_object(object, set->name, strlen(set->name)) != 0) {
+            keep_nothing(client);
+        }
     }
 }
 

@@ -6,6 +6,7 @@
  */
 #include <assert.h>
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 
@@ -79,7 +80,12 @@ static int restore_filters(struct cli_pipeline *pipeline, struct registry_scene 
             .scene = scene->handle, .object = object->handle, .what = object->what};
 
         COMMON_ATTRIBUTES_COPY(&set, &object->attributes);
-        if (object->what != 0) {
+        set.has_name = object->name != NULL &&
+                       (pipeline->client->link.features & PROTO_FEATURE_NAMES) != 0;
+        if (set.has_name) {
+            (void)snprintf(set.name, sizeof set.name, "%s", object->name);
+        }
+        if (object->what != 0 || set.has_name) {
             status = cli_pipeline_send(pipeline, PROTO_METHOD_OBJECT_SET, &set,
                                        CLI_SLOT_NONE, NULL);
         }

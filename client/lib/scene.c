@@ -200,6 +200,26 @@ int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
     return call_set(client, &request, &result);
 }
 
+int pccd_object_name(struct pccd_client *client, uint32_t scene, uint32_t object,
+                     const char *name)
+{
+    struct proto_OBJECT_SET_request request = {
+        .scene = scene, .object = object, .has_name = true};
+    struct proto_OBJECT_SET_result result;
+    size_t bytes = name != NULL ? strlen(name) : 0;
+    int status;
+
+    CLI_ENTER_OR_RETURN(client);
+    if (bytes > PROTO_STR_MAX) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "object.set: a name of %zu bytes, not of up to %u", bytes,
+                        PROTO_STR_MAX);
+    }
+    memcpy(request.name, name, bytes);
+    status = cli_check_feature(client, PROTO_FEATURE_NAMES, "object.set");
+    return status != 0 ? status : call_set(client, &request, &result);
+}
+
 int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
                     struct pccd_object_settings *settings)
 {

@@ -12,7 +12,7 @@
  * overwritten before the first chunk that needs the bit.
  *
  *     segment  BEGIN snapshot LOG events END?
- *     snapshot MESH* (SCENE (OBJECT PLACE? FILTER?)* PAIRS?)* MESH_GONE*
+ *     snapshot MESH* (SCENE (OBJECT PLACE? FILTER? NAME?)* PAIRS?)* MESH_GONE*
  *     events   any of the others, in the order in which requests were sent
  *
  * A file is one segment and can be read without those before it. A step that was in
@@ -35,6 +35,7 @@
  * | NEAR | as FRAME, if anything moves; else nothing |
  * | NEAR_ANSWER | nothing |
  * | NEAR_RECORDS | records of an answer to NEAR, if these were to be recorded |
+ * | NAME | UTF-8; empty: no name any more. Who does not know it shows none |
  */
 #ifndef RECORD_FORMAT_H
 #define RECORD_FORMAT_H
@@ -78,7 +79,8 @@
     X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
     X(TELLS, 26, "what the next FRAME, MOVE or NEAR tells, too")                         \
     X(TURNING, 27, "something turns in the next FRAME, MOVE or NEAR, or is possible")    \
-    X(CLEARANCE, 28, "two objects have a clearance in the place of their radii")
+    X(CLEARANCE, 28, "two objects have a clearance in the place of their radii")         \
+    X(NAME, 29, "what an object is called")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)

@@ -37,6 +37,7 @@ static_assert(RECORD_FILTER_BYTES == 32, "filter of before");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
 static_assert(sizeof(struct record_clearance) == 24, "clearance");
 static_assert(sizeof(struct record_guest) == 16, "guest");
+static_assert(sizeof(struct record_name) == 16, "name");
 
 #define COUNT_MAX   2147483647u
 #define RIGID_BYTES (12 * sizeof(double))
@@ -412,6 +413,18 @@ static int judge_clearance(const void *payload, uint64_t bytes,
                                       : PCCD_OK;
 }
 
+static int judge_name(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    const char *at = (const char *)payload + sizeof(struct record_name);
+    struct record_name name;
+
+    memcpy(&name, payload, sizeof name);
+    return name.bytes <= PROTO_STR_MAX && bytes == sizeof name + name.bytes &&
+                   memchr(at, '\0', name.bytes) == NULL
+               ? PCCD_OK
+               : bad(text, "a name of another length");
+}
+
 static int judge_tuning(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     return memchr(payload, '\0', bytes) != NULL ? PCCD_OK
@@ -453,6 +466,7 @@ static const struct form {
     [RECORD_NEAR] = HEAD(near),
     [RECORD_NEAR_RECORDS] = {sizeof(struct record_records), false, judge_near_records},
     [RECORD_PAIRS] = HEAD(pairs),
+    [RECORD_NAME] = HEAD(name),
     [RECORD_FILTER] = {RECORD_FILTER_BYTES, false, judge_filter},
 #undef WHOLE
 #undef HEAD
@@ -465,7 +479,7 @@ static struct form form_of(uint16_t kind)
 
 /* ---- how long a payload can be ----------------------------------------------------- */
 
-/* Return the most that lies behind the head of a MESH, GUEST, RADII, FREE, PAIRS or
+/* Return the most that lies behind the head of a MESH, GUEST, RADII, FREE, PAIRS, NAME or
  * records, at most. */
 static uint64_t counted_bytes(uint16_t kind, const void *head)
 {
@@ -475,6 +489,7 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
         struct record_radii radii;
         struct record_free free;
         struct record_pairs pairs;
+        struct record_name name;
         struct record_records records; /* of what is near, too */
     } is;
 
@@ -493,6 +508,8 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
                sizeof(uint32_t);
     case RECORD_PAIRS:
         return is.pairs.count * sizeof(uint32_t[2]);
+    case RECORD_NAME:
+        return is.name.bytes;
     default:
         return is.records.record_bytes > sizeof(struct pccd_contact)
                    ? 0

@@ -230,6 +230,13 @@ struct record_clearance {
     double clearance; /* 0 .. 1e18 */
 };
 
+struct record_name { /* and its bytes, without a NUL */
+    uint32_t scene;
+    uint32_t object;
+    uint32_t bytes; /* 0 .. PROTO_STR_MAX */
+    uint32_t reserved;
+};
+
 struct record_guest {
     uint32_t scene;
     uint32_t object;

@@ -180,6 +180,7 @@ void registry_remove_scene(struct registry *registry, struct registry_scene *sce
 {
     for (uint32_t i = 0; i < scene->object_count; i++) {
         empty_object(registry, &scene->objects[i]);
+        free(scene->objects[i].name);
     }
     if (scene->prev != NULL) {
         scene->prev->next = scene->next;
@@ -299,6 +300,7 @@ void registry_remove_object(struct registry *registry, struct registry_scene *sc
     assert(object >= scene->objects && object < scene->objects + scene->object_count);
     registry_pairs_forget(&scene->pairs, object->handle);
     empty_object(registry, object);
+    free(object->name);
     scene->object_count--;
     memmove(object, object + 1,
             (size_t)(scene->objects + scene->object_count - object) * sizeof *object);
@@ -365,6 +367,18 @@ void registry_set_object(struct registry_object *object, uint32_t what,
     object->what |= what;
     object->is_told = false;
     common_attributes_set(&object->attributes, what, given);
+}
+
+int registry_name_object(struct registry_object *object, const char *name, size_t bytes)
+{
+    char *copy = bytes > 0 ? strndup(name, bytes) : NULL;
+
+    if (bytes > 0 && copy == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    free(object->name);
+    object->name = copy;
+    return 0;
 }
 
 bool registry_is_filtered(const struct registry_scene *scene)

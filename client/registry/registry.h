@@ -135,6 +135,7 @@ struct registry_object {
     uint64_t since; /* what steps before this one said of its place counts no more */
     uint32_t what;  /* enum pccd_object_what: that was ever set, of the next */
     struct common_attributes attributes;
+    char *name;   /* ours: for people; NULL: it has none */
     bool is_made; /* another daemon has one of that handle, and knows of what it is */
     bool is_told; /* ... and its attributes, for whoever tells it */
 };
@@ -216,6 +217,9 @@ void registry_remove_object(struct registry *registry, struct registry_scene *sc
 /* Set those of its attributes that `what` names. */
 void registry_set_object(struct registry_object *object, uint32_t what,
                          const struct common_attributes *given);
+/* Give it a name of so many bytes, in the place of the one it has; of none: no name. 0 or
+ * PCCD_E_NOMEM: it has the one of before. */
+int registry_name_object(struct registry_object *object, const char *name, size_t bytes);
 /* Return whether anything was ever set of what its objects may meet, and not taken back;
  * its pairs may have to be settled before. */
 bool registry_is_filtered(const struct registry_scene *scene);

@@ -31,6 +31,7 @@
 #define PROTO_FEATURE_TOUCHING 4096u /* what becomes of what touches */
 #define PROTO_FEATURE_TURNING  8192u /* bodies that hang on joints; resolution */
 #define PROTO_FEATURE_CLEARANCE 16384u /* of two objects, in scene.ignore */
+#define PROTO_FEATURE_NAMES     32768u /* of objects, in object.set */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u

@@ -121,6 +121,7 @@ void check_step(pccd::client &client)
     tell(thick->initial > 0 && thick->safe_step == 0, "radius__is_of_the_next_step");
 
     object.set_user_data(~std::uint64_t{6});
+    object.set_name("sleeve");
     settings.mode = PCCD_MODE_FIRST_PER_PAIR;
     const pccd::answer firsts = scene.step(pccd::to(object, down), settings);
     tell(firsts->total == 1 && scene.user_data(0) == 0 &&

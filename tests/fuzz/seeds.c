@@ -626,6 +626,7 @@ static void make_record_seeds(void)
     const struct record_begin hello = {.pid = 1};
     const struct record_scene scene = {.scene = 5};
     const struct record_object object = {5, 1, 9, 0};
+    const struct record_name name = {.scene = 5, .object = 9, .bytes = 6};
     const struct record_gone gone = {5, 1, 9, 0};
     const struct record_answer answer = {.step = 1};
     const struct record_near near = {
@@ -670,6 +671,7 @@ static void make_record_seeds(void)
     put_chunk(RECORD_SCENE, &scene, sizeof scene, "", 0);
     put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
     put_chunk(RECORD_OBJECT, &object, sizeof object, "", 0);
+    put_chunk(RECORD_NAME, &name, sizeof name, "sleeve", name.bytes);
     put_chunk(RECORD_PLACE, &place.head, 16, place.m, 96);
     put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
     frame.segment =

@@ -186,7 +186,8 @@ class Failing(unittest.TestCase):
                    files=["scene.json"])
         page = Page(self.path("scene.html"))
         self.assertEqual([step["number"] for step in page.meta["steps"]], [2, 3])
-        self.assertEqual(page.meta["names"], ["sheet", "peg"])
+        self.assertEqual([one["name"] for one in page.meta["steps"][0]["objects"]],
+                         ["sheet", "peg"])
         for end in ("x0", "x1"):
             self.assertEqual([tuple(round(c, 6) for c in point)
                               for point in page.positions(0, end, 1)], peg)

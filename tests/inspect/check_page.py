@@ -833,11 +833,11 @@ class Near(InBrowser):
     # If it failed, what a solver asks before each iteration could not be looked at.
     def test_lines__are_between_nearest_points_or_edges_that_cross(self):
         cases = (("nearest", 0.5, [.25, .25, .5, .25, .25, 0], 0.5, 0,
-                  "1 nearest pair of features between object 0 and object 1; "
-                  "the least distance is 0.5", "vertex 0 of object 0"),
+                  "1 nearest pair of features between needle and floor; "
+                  "the least distance is 0.5", "vertex 0 of needle"),
                  ("crossings", -1, [.25, .25, -1, .25, .25, 3], 0, 4,
-                  "2 edges that pass through faces between object 0 and object 1",
-                  "edge 0-1 of object 0"))
+                  "2 edges that pass through faces between needle and floor",
+                  "edge 0-1 of needle"))
         for what, height, ends, distance, kind, sentence, first in cases:
             with self.subTest(what=what), tempfile.TemporaryDirectory() as folder:
                 for name, text in (("floor", FLOOR), ("needle", NEEDLE.format(height))):

@@ -177,7 +177,7 @@ attempt() { # FILE COMMAND...
     done
 }
 attempt a.png "$PCCDCTL" render --size 2400x1800 -o full/a.png some.rec
-attempt a.svg "$PCCDCTL" render -o full/a.svg some.rec
+attempt a.svg "$PCCDCTL" render -o full/a.svg large.rec
 attempt a.glb "$PCCDCTL" export -o full/a.glb large.rec
 attempt a.vtp "$PCCDCTL" export -o full/a.vtp large.rec
 attempt a.png "$PCCDCTL" demo --steps 1 -o full/a.png

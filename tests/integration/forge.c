@@ -1,6 +1,7 @@
 /* forge.c - copies of recordings, chunk by chunk. */
 #include "forge.h"
 
+#include <string.h>
 #include <unistd.h>
 
 #include "cases.h"
@@ -30,4 +31,27 @@ void forge_recording(const char *from, const char *to, forge_fn change, void *co
     assert_int_equal(got, 0);
     record_reader_deinit(&reader);
     record_writer_deinit(&writer);
+}
+
+const char *forge_name(const char *path, uint32_t object)
+{
+    static char known[256];
+    struct record_reader reader;
+    struct record_view view;
+
+    known[0] = '\0';
+    assert_ok(record_reader_open(&reader, path));
+    while (record_reader_next(&reader, &view) == 1) {
+        struct record_name name;
+
+        if (view.kind == RECORD_NAME) {
+            memcpy(&name, view.payload, sizeof name);
+            if (name.object == object) {
+                (void)snprintf(known, sizeof known, "%.*s", (int)name.bytes,
+                               (const char *)view.payload + sizeof name);
+            }
+        }
+    }
+    record_reader_deinit(&reader);
+    return known;
 }

@@ -1,4 +1,4 @@
-/* forge.h - copies of recordings in which something was changed. */
+/* forge.h - copies of recordings in which something was changed; names that they have. */
 #ifndef TEST_FORGE_H
 #define TEST_FORGE_H
 
@@ -18,5 +18,8 @@ struct forge_chunk {
 typedef bool (*forge_fn)(void *context, struct forge_chunk *chunk);
 
 void forge_recording(const char *from, const char *to, forge_fn change, void *context);
+
+/* Return what a recording calls an object at last: a static text; "": nothing. */
+const char *forge_name(const char *path, uint32_t object);
 
 #endif

@@ -2,6 +2,7 @@
 #include "cases.h"
 
 #include "fixture.h"
+#include "forge.h"
 #include "must.h"
 #include "recording.h"
 #include "run_ctl.h"
@@ -97,6 +98,21 @@ static void ignore(struct play *play, uint32_t a, uint32_t b, bool ignored)
                                play->bodies[b], ignored));
 }
 
+static void call(struct play *play, uint32_t body, const char *name)
+{
+    assert_ok(pccd_object_name(play->client, play->scene, play->bodies[body], name));
+}
+
+/* If this failed, who looks at a recording would be told of other objects, or of none. */
+static void assert_names(const struct play *play, const char *file)
+{
+    static const char *const names[BODIES] = {"sleeve \"left\"", "", "collar"};
+
+    for (uint32_t i = 0; i < BODIES; i++) {
+        assert_string_equal(forge_name(file, play->bodies[i]), names[i]);
+    }
+}
+
 /* All that there is to be set, with a step after each: so that the masks of one would be
  * wrong for the next. */
 static void change(struct play *play)
@@ -108,6 +124,8 @@ static void change(struct play *play)
     all = play->total;
     assert_true(all > 0);
     set(play, 0, PCCD_OBJECT_SELF, 0, 0, false);
+    call(play, 0, "sleeve \"left\"");
+    call(play, 1, "pocket");
     step(play);
     assert_in_range(play->total, 1, all - 1);
     set(play, 1, PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK, 2, 4, true);
@@ -117,6 +135,7 @@ static void change(struct play *play)
     ignore(play, 1, 2, true);
     step(play);
     ignore(play, 2, 1, false);
+    call(play, 1, NULL);
     set(play, 2, PCCD_OBJECT_ALL, UINT64_MAX, UINT64_MAX, false);
     step(play);
 }
@@ -126,6 +145,7 @@ static void exchange(struct play *play)
 {
     assert_ok(pccd_scene_remove(play->client, play->scene, play->bodies[2]));
     play->bodies[2] = test_object(play->client, play->scene, play->mesh);
+    call(play, 2, "collar");
     step(play);
     step(play);
 }
@@ -158,6 +178,7 @@ CASE(record__holds_masks_and_pairs)
     assert_int_equal(info.status, 0);
     pccd_close(play.client);
     assert_repeats(test_recording, play.steps);
+    assert_names(&play, test_recording);
 }
 
 /* If this failed, what held when a recording began would be missing in it; to begin it
@@ -184,6 +205,7 @@ CASE(record__begins_with_masks_and_pairs)
     exchange(&play);
     pccd_close(play.client);
     assert_repeats(test_recording, play.steps - before);
+    assert_names(&play, test_recording);
 }
 
 /* If this failed, the newest part of a long session would not stand by itself. */
@@ -198,6 +220,7 @@ CASE(record__segments_have_masks_and_pairs)
     (void)snprintf(older, sizeof older, "%s.1", test_recording);
     begin_play(&play, &settings);
     change(&play);
+    call(&play, 2, "collar");
     do {
         step(&play);
         ignore(&play, 0, 1, play.steps % 2 == 0);
@@ -210,6 +233,26 @@ CASE(record__segments_have_masks_and_pairs)
     assert_int_equal(test_ctl("replay", "--json", older, said, sizeof said), 0);
     assert_in_range(test_ctl_number(said, "same"), 5, 1000);
     assert_int_equal(test_ctl("verify", "--repeat", older, said, sizeof said), 0);
+    assert_names(&play, older);
+}
+
+/* If this failed, a recording would have a name that no reader takes, or a mistake would
+ * be let by. */
+CASE(name__is_refused_where_it_cannot_be_kept)
+{
+    struct play play;
+    char text[257];
+
+    memset(text, 'x', sizeof text);
+    text[256] = '\0';
+    open_play(&play);
+    assert_int_equal(pccd_object_name(play.client, play.scene, play.bodies[0], text),
+                     PCCD_E_INVAL);
+    text[255] = '\0';
+    assert_ok(pccd_object_name(play.client, play.scene, play.bodies[0], text));
+    assert_int_equal(pccd_object_name(play.client, play.scene, 12345, "a"),
+                     PCCD_E_HANDLE);
+    pccd_close(play.client);
 }
 
 CASES_WITH(test_recording_start, test_recording_stop);

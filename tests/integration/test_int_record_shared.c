@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "fixture.h"
+#include "forge.h"
 #include "must.h"
 #include "prng.h"
 #include "recording.h"
@@ -58,6 +59,8 @@ static void enter(struct member *member, const char *name)
     assert_ok(pccd_scene_create(member->client, &settings, &member->scene));
     member->mesh = test_mesh(member->client, x, PCCD_FORMAT_F32, BODY, triangles, 2);
     member->bodies[0] = test_object(member->client, member->scene, member->mesh);
+    assert_ok(pccd_object_name(member->client, member->scene, member->bodies[0],
+                               member->height > 0 ? "upper" : "lower"));
 }
 
 static void connect_member(struct member *member, float height)
@@ -313,6 +316,8 @@ CASE(record__holds_what_others_do)
         pccd_close(b.client);
         assert_in_range(a.with_contacts, a.answered / 4, a.answered);
         assert_repeats(a.answered - a.answered / 4);
+        assert_string_equal(forge_name(test_recording, a.bodies[0]), "lower");
+        assert_string_equal(forge_name(test_recording, b.bodies[0]), "upper");
     }
 }
 
@@ -346,6 +351,7 @@ CASE(record__begins_with_what_others_have_done)
         pccd_close(a.client);
         pccd_close(b.client);
         assert_repeats((a.answered - before) / 2);
+        assert_string_equal(forge_name(test_recording, b.bodies[0]), "upper");
     }
 }
 

@@ -108,6 +108,9 @@ class Filters(Supervised):
         self.fails(pccd.Status.E_INVAL, client.object_set, scene, self.tent, group=2**64)
         self.fails(pccd.Status.E_INVAL, client.object_set, scene, self.tent, mask=-1)
         self.fails(pccd.Status.E_HANDLE, client.object_get, scene, 77)
+        self.fails(pccd.Status.E_HANDLE, client.object_name, scene, 77, "sleeve")
+        self.fails(pccd.Status.E_INVAL, client.object_name, scene, self.tent, "é" * 128)
+        client.object_name(scene, self.tent, "é" * 127)
         self.fails(pccd.Status.E_INVAL, client.pair_ignore, scene, self.tent, self.tent)
 
     # If this failed, another daemon would test what the last one was told to leave out.
@@ -201,6 +204,7 @@ class Shared(Supervised):
         self.fails(pccd.Status.E_ACCESS, b.wait, floor.submit(1))
         self.fails(pccd.Status.E_ACCESS, b.scene_remove, floor.scene, cloth.object)
         self.fails(pccd.Status.E_ACCESS, b.object_set, floor.scene, cloth.object, group=2)
+        self.fails(pccd.Status.E_ACCESS, b.object_name, floor.scene, cloth.object, "a")
         b.pair_ignore(floor.scene, cloth.object, own)
         with a.wait(cloth.submit(-2)) as answer:
             self.assertEqual(answer.total, 0)

@@ -629,7 +629,7 @@ CASE(morph__of_an_export_are_floats_again)
     maker = ",'generator':'pccdctl export'";
     open_made("'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
               "'targets':[{'POSITION':1}]}],'weights':[1]}],"
-              "'nodes':[{'name':'object 1','mesh':0}]");
+              "'nodes':[{'name':'sleeve','mesh':0}]");
     maker = "";
     check_frame(0, (const double(*)[3])places, 3);
     assert_int_equal(mesh.format, PCCD_FORMAT_F32);

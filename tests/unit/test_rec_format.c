@@ -339,6 +339,10 @@ CASE(payloads__are_refused_with_indices_out_of_range)
     } pairs = {{.scene = 1, .ignored = 1, .count = 2}, {{1, 2}, {3, 2}}};
     const struct record_clearance apart = {.a = 1, .b = 2, .clearance = 3};
     const struct record_filter filter = {.what = PCCD_OBJECT_ALL, .self = 1};
+    const struct {
+        struct record_name head;
+        char text[8];
+    } name = {{.scene = 1, .object = 2, .bytes = 6}, "sleeve"};
     const size_t segment = sizeof frame.head;
 
     assert_int_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 0, 1), 0);
@@ -350,6 +354,9 @@ CASE(payloads__are_refused_with_indices_out_of_range)
     assert_int_not_equal(judge_with(RECORD_CLEARANCE, &apart, sizeof apart, 4, 2), 0);
     assert_int_not_equal(
         judge_with(RECORD_CLEARANCE, &apart, sizeof apart, 20, 0xbff00000u), 0);
+    assert_int_equal(judge_with(RECORD_NAME, &name, sizeof name.head + 6, 4, 3), 0);
+    assert_int_not_equal(judge_with(RECORD_NAME, &name, sizeof name.head + 6, 8, 7), 0);
+    assert_int_not_equal(judge_with(RECORD_NAME, &name, sizeof name.head + 7, 8, 7), 0);
     assert_int_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 8, 7), 0);
     assert_int_not_equal(
         judge_with(RECORD_FILTER, &filter, sizeof filter, 8, COMMON_OBJECT_KNOWN + 1), 0);
@@ -416,6 +423,7 @@ CASE(chunks__take_no_more_memory_than_they_count)
     const struct record_records nears = {.step = 1, .count = 1, .record_bytes = 64};
     const struct record_place place = {1, 1, RECORD_PLACED_FREELY, PCCD_FORMAT_F32};
     const struct record_frame frame = {.step = 1, .scene = 1, .segment_count = 2};
+    const struct record_name name = {.scene = 1, .object = 1, .bytes = 8};
     const struct record_frame many = {.step = 1, .scene = 1, .segment_count = 65537};
     const struct record_near near = {.step = 1, .scene = 1, .segment_count = 1};
     const struct {
@@ -427,6 +435,7 @@ CASE(chunks__take_no_more_memory_than_they_count)
                    {RECORD_PAIRS, &pairs, sizeof pairs},
                    {RECORD_RADII, &radii, sizeof radii},
                    {RECORD_FREE, &free_, sizeof free_},
+                   {RECORD_NAME, &name, sizeof name},
                    {RECORD_RECORDS, &records, sizeof records},
                    {RECORD_NEAR_RECORDS, &nears, sizeof nears},
                    {RECORD_FRAME, &frame, sizeof frame},

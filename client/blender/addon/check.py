@@ -168,6 +168,7 @@ class Check:
             triangles.append(shape.triangles + vertices[k])
             edges.append(client.mesh_edges(mesh) + vertices[k])
             handle = client.scene_add(self._scene, mesh)
+            client.object_name(self._scene, handle, shape.name)
             client.object_set(self._scene, handle, radius=self.settings.radius,
                               rest_distance=self.settings.rest_distance,
                               rest_rings=self.settings.rest_rings,

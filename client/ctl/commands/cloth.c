@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "link.h"
+
 #define CLOTH_WIDTH         2.0  /* of the square */
 #define CLOTH_HEIGHT        0.75 /* above the ball's centre at the start */
 #define VERTEX_MASS         1e-4 /* kilograms: half a kilogram of cloth */
@@ -426,6 +428,7 @@ static int fail(const struct cloth *cloth, int status, const char *what,
 int cloth_register(struct cloth *cloth, struct pccd_client *client,
                    struct ctl_error *error)
 {
+    static const char *const names[CLOTH_MESHES] = {"cloth", "ball"};
     cloth->client = client;
     int status = pccd_scene_create(client, NULL, &cloth->scene);
     for (int i = 0; i < CLOTH_MESHES && status == PCCD_OK; i++) {
@@ -441,6 +444,9 @@ int cloth_register(struct cloth *cloth, struct pccd_client *client,
         }
         if (status == PCCD_OK) {
             status = pccd_scene_add(client, cloth->scene, mesh, &cloth->objects[i]);
+        }
+        if (status == PCCD_OK) {
+            status = ctl_name_object(client, cloth->scene, cloth->objects[i], names[i]);
         }
     }
     return status == PCCD_OK ? PCCD_OK

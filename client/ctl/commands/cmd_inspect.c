@@ -171,8 +171,10 @@ int ctl_cmd_inspect(int argc, char **argv)
         status = play_options_open(&command.options, &error);
     }
     if (status == PCCD_OK) {
-        command.settings.names = command.options.play.names;
-        command.settings.name_count = command.options.play.name_count;
+        const struct play_settings parts[2] = {command.options.play};
+        command.settings.up =
+            command.settings.up != 0 ? command.settings.up : play_up(parts);
+        command.settings.is_of_files = play_options_are_frames(&command.options);
         const struct inspect_source source = {command.path,
                                               tool_base_name(command.options.play.path),
                                               fill, &command.options.play};

@@ -160,7 +160,9 @@ static const struct option_row rows[] = {
      OPTION_FLAG, .at = AT(has_first_tries)},
     {"view", 0, "A,E", "Look from azimuth A and elevation E, degrees (default: 25,16)",
      OPTION_OWN, .take = take_view},
-    {"up", 0, "x|y|z", "The axis that points up (default: as recorded; else y)",
+    {"up", 0, "x|y|z",
+     "The axis that points up (default: as recorded; else the one along which things "
+     "fall, if the motion is plain, or y)",
      OPTION_WORD, .at = AT(up), .min = 1},
     {"at", 0, "all|contacts|first|contact N",
      "Show all of the step, the contacts, the first of them, or contact N, counted from "
@@ -297,9 +299,11 @@ int render_film(const struct render *render, const struct play_settings *parts, 
                 uint32_t *frame_count, struct play_summary *summary,
                 struct ctl_error *error)
 {
-    struct shooting shooting = {.render = render,
+    struct render shown = *render;
+    struct shooting shooting = {.render = &shown,
                                 .low = {INFINITY, INFINITY, INFINITY},
                                 .high = {-INFINITY, -INFINITY, -INFINITY}};
+    shown.up = render->up != 0 ? render->up : play_up(parts);
     int status = pass(&shooting, parts, true, summary, error);
     if (status == PCCD_OK && !(shooting.low[0] <= shooting.high[0])) {
         status =
@@ -350,7 +354,10 @@ static int make_picture(const struct render *render, struct whole_file *file,
     const struct snapshot_at at = {.t = render->t,
                                    .contact = render->contact,
                                    .few = render->at == RENDER_AT_ALL ? 0 : RENDER_FEW};
+    const struct play_settings parts[2] = {render->options.play};
+    struct render shown = *render;
     struct snapshot snapshot = {.object_count = 0};
+    shown.up = render->up != 0 ? render->up : play_up(parts);
     int status =
         render->is_near
             ? snapshot_take_near(&render->options.play, &snapshot, summary, error)
@@ -364,7 +371,7 @@ static int make_picture(const struct render *render, struct whole_file *file,
         status = output_open(file, render->path, true, error);
     }
     if (status == PCCD_OK) {
-        status = render_draw(render, &snapshot, file->to, NULL, NULL, error);
+        status = render_draw(&shown, &snapshot, file->to, NULL, NULL, error);
     }
     if (status == PCCD_OK) {
         status = output_finish(file, render->path, error);

@@ -129,10 +129,7 @@ int failing_keep(struct failing *failing, struct check_run *run,
     struct failing_step *step = &failing->steps[failing->count++];
     step->number = number;
     snprintf(step->recording.name, sizeof step->recording.name, "step %" PRIu32, number);
-    int status = frames_name(&step->recording, files, error);
-    if (status == PCCD_OK) {
-        status = frames_begin(&step->recording, run->client, error);
-    }
+    int status = frames_begin(&step->recording, run->client, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -156,6 +153,22 @@ static struct play_settings play_of(const struct failing_step *step,
                                   .first = 1,
                                   .number = step->number,
                                   .label = "steps"};
+}
+
+/* Return how to play all of them, one after the other, and then one without a path: the
+ * caller's to free. NULL: no memory, as the error says. */
+static struct play_settings *parts_of(const struct failing *failing,
+                                      const struct ctl_link *link,
+                                      struct ctl_error *error)
+{
+    struct play_settings *parts = calloc(failing->count + 1, sizeof *parts);
+    if (parts == NULL) {
+        (void)ctl_error_set(error, PCCD_E_NOMEM, "no memory for the steps that fail");
+    }
+    for (uint32_t i = 0; parts != NULL && i < failing->count; i++) {
+        parts[i] = play_of(&failing->steps[i], link);
+    }
+    return parts;
 }
 
 /* Steps that fail, and the daemon that answers them again. */
@@ -189,12 +202,16 @@ static int write_page(const struct failing *failing, const struct ctl_link *link
 {
     const struct failing_options *options = failing->options;
     const uint64_t most = options->page_bytes;
+    struct play_settings *parts = parts_of(failing, link, error);
+    if (parts == NULL) {
+        return PCCD_E_NOMEM;
+    }
     const struct inspect_settings settings = {
         .every = 1,
         .boxes_max = INSPECT_BOXES_DEFAULT,
         .bytes_max = most > 0 ? most : INSPECT_BYTES_DEFAULT,
-        .names = failing->steps[0].recording.names,
-        .name_count = failing->steps[0].recording.name_count};
+        .up = play_up(parts),
+        .is_of_files = true};
     struct showing showing = {failing, link};
     struct inspect inspect = {.kept = 0};
     struct play_summary summary = {.frames = 0};
@@ -204,6 +221,7 @@ static int write_page(const struct failing *failing, const struct ctl_link *link
     *shown = inspect.kept;
     *every = inspect.settings.every;
     inspect_deinit(&inspect);
+    free(parts);
     return status;
 }
 
@@ -217,12 +235,11 @@ static int draw_film(const struct failing *failing, const struct ctl_link *link,
                                   .marks_first = true};
     struct play_summary summary;
     uint32_t drawn = 0;
-    struct play_settings *parts = calloc(failing->count + 1, sizeof *parts);
+    struct play_settings *parts = parts_of(failing, link, error);
     if (parts == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render.path);
+        return PCCD_E_NOMEM;
     }
     for (uint32_t i = 0; i < failing->count; i++) {
-        parts[i] = play_of(&failing->steps[i], link);
         parts[i].source = PLAY_RECORDS;
     }
     int status = render_film(&render, parts, to, &drawn, &summary, error);

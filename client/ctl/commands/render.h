@@ -26,7 +26,7 @@ struct render {
     uint64_t contact;          /* of RENDER_AT_ONE: from 1, or SNAPSHOT_FIRST */
     double azimuth, elevation; /* degrees; NAN: not given */
     double zoom;
-    uint32_t up; /* as of struct picture; 0: as recorded */
+    uint32_t up; /* as of struct picture; 0: as play_up says */
     uint32_t width, height;
     bool is_near; /* what is near, and not contacts */
     bool is_thick;

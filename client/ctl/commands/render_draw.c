@@ -227,7 +227,7 @@ static void name_step(const struct render *render, const struct snapshot *snapsh
 {
     char when[48] = "";
     if (is_close(render, snapshot)) {
-        snprintf(when, sizeof when, " at t = %.4g", snapshot->t);
+        snprintf(when, sizeof when, " at t = %s", tool_shown_number(snapshot->t));
     }
     if (render->is_near) {
         snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", snapshot->step,
@@ -273,7 +273,8 @@ static void name_pair(const struct snapshot *snapshot, char *text, size_t room)
             at[k] = (double)contact->at[k] + snapshot->origin[k];
             at[k] = fabs(at[k]) > FLT_EPSILON * snapshot->extent ? at[k] : 0;
         }
-        snprintf(text + used, room - used, " at (%.4g, %.4g, %.4g)", at[0], at[1], at[2]);
+        snprintf(text + used, room - used, " at (%s, %s, %s)", tool_shown_number(at[0]),
+                 tool_shown_number(at[1]), tool_shown_number(at[2]));
     }
 }
 
@@ -429,7 +430,7 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
     if (snapshot->lines != NULL) {
         mark_lines(snapshot, greatest, marks);
         snprintf(scale.title, sizeof scale.title, "distance");
-        snprintf(scale.high, sizeof scale.high, "%.4g", greatest);
+        snprintf(scale.high, sizeof scale.high, "%s", tool_shown_number(greatest));
     }
     name_step(render, snapshot, title, sizeof title);
     if (is_few) {
@@ -439,7 +440,7 @@ int render_draw(const struct render *render, const struct snapshot *snapshot, FI
     struct picture picture = {.snapshot = snapshot,
                               .marks = marks,
                               .mark_count = mark_count,
-                              .up = render->up != 0 ? render->up : snapshot->up,
+                              .up = render->up,
                               .width = render->width,
                               .height = render->height,
                               .zoom = (float)render->zoom,

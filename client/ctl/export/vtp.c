@@ -354,7 +354,11 @@ static void put_triangle_cells(struct vtp *vtp)
 static void put_names(const struct snapshot *snapshot, FILE *to)
 {
     uint32_t count = snapshot->object_count;
-    if (count == 0 || snapshot->objects[0].name == NULL) {
+    bool has_names = false;
+    for (uint32_t i = 0; i < count; i++) {
+        has_names = has_names || snapshot->objects[i].name != NULL;
+    }
+    if (!has_names) {
         return;
     }
     fprintf(to,
@@ -369,7 +373,8 @@ static void put_names(const struct snapshot *snapshot, FILE *to)
             "NumberOfTuples=\"%" PRIu32 "\" format=\"ascii\">",
             count);
     for (uint32_t i = 0; i < count; i++) {
-        for (const char *at = snapshot->objects[i].name; *at != '\0'; at++) {
+        const char *name = snapshot->objects[i].name;
+        for (const char *at = name != NULL ? name : ""; *at != '\0'; at++) {
             fprintf(to, "%d ", (unsigned char)*at);
         }
         fputs("0 ", to);

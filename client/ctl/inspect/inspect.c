@@ -16,10 +16,6 @@
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
-/* Things fall along an axis if they move so many times as far against it as along both
- * others, and so much of that goes one way; what walks does not fall. */
-#define UP_TIMES 2.0
-#define UP_PART  0.25
 
 static int no_memory(struct ctl_error *error)
 {
@@ -47,38 +43,20 @@ int inspect_begin_page(struct page_file *page, FILE *to, const char *path,
     return page_file_begin(page, to, path, template, bytes, error);
 }
 
-static json_t *names_of(const struct inspect_settings *settings)
-{
-    json_t *names = json_array();
-    for (uint32_t i = 0; i < settings->name_count && names != NULL; i++) {
-        if (json_array_append_new(names, json_text(settings->names[i])) != 0) {
-            json_decref(names);
-            return NULL;
-        }
-    }
-    return names;
-}
-
 int inspect_init(struct inspect *inspect, const struct inspect_settings *settings,
                  struct page_file *page, struct ctl_error *error)
 {
     *inspect = (struct inspect){.settings = *settings,
                                 .page = page,
                                 .steps = json_array(),
-                                .meshes = json_array(),
-                                .names = names_of(settings)};
-    if (inspect->steps == NULL || inspect->meshes == NULL || inspect->names == NULL) {
-        return no_memory(error);
-    }
-    inspect->meta_bytes = page_file_json_bytes(inspect->names);
-    return PCCD_OK;
+                                .meshes = json_array()};
+    return inspect->steps != NULL && inspect->meshes != NULL ? PCCD_OK : no_memory(error);
 }
 
 void inspect_deinit(struct inspect *inspect)
 {
     json_decref(inspect->steps);
     json_decref(inspect->meshes);
-    json_decref(inspect->names);
     bytes_deinit(&inspect->data);
     bytes_deinit(&inspect->packed);
     free(inspect->boxes);
@@ -205,40 +183,6 @@ static void choose_origin(struct inspect *inspect, const struct registry_scene *
     }
     inspect->unit = unit_for(size);
     inspect->has_origin = scene->object_count > 0;
-}
-
-/* Add how far the vertices of each object move, on average: what falls, goes down. */
-static void add_motion(struct inspect *inspect, const struct registry_scene *scene)
-{
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        const struct registry_object *object = &scene->objects[i];
-        const uint32_t count = object->mesh->vertex_count;
-        for (uint32_t v = 0; v < count; v++) {
-            for (uint32_t k = 0; k < 3; k++) {
-                double way = (object->x1[v][k] - object->x0[v][k]) / count;
-                inspect->moved[k] += way;
-                inspect->way[k] += fabs(way);
-            }
-        }
-    }
-}
-
-/* The axis that is up, as was asked for or recorded; else as the motion tells, or y. */
-static char up_of(const struct inspect *inspect, const struct record_begin *begin)
-{
-    const double *moved = inspect->moved;
-    uint32_t recorded = begin->flags >> RECORD_UP_SHIFT & RECORD_UP_MASK;
-    uint32_t given = inspect->settings.up != 0 ? inspect->settings.up : recorded;
-    if (given != 0) {
-        return "xyz"[given - 1];
-    }
-    for (uint32_t k = 0; k < 3; k++) {
-        double others = fmax(fabs(moved[(k + 1) % 3]), fabs(moved[(k + 2) % 3]));
-        if (-moved[k] > UP_TIMES * others && -moved[k] > UP_PART * inspect->way[k]) {
-            return "xyz"[k];
-        }
-    }
-    return 'y';
 }
 
 /* Everything of a step: its description, its data, and the meshes that it brings. */
@@ -382,9 +326,6 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     }
     const char *compared = compare_step(step);
     inspect->differ += strcmp(compared, "other") == 0;
-    if (step->asked == NULL) {
-        add_motion(inspect, step->scene);
-    }
     if (!is_chosen(inspect, step->scene)) {
         return PCCD_OK;
     }
@@ -441,14 +382,14 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set_count(meta, "format", FORMAT, &ok);
     set_name(meta, "version", pccd_version(), &ok);
     set(meta, "recording", recording_of(name, summary, &ok), &ok);
+    set(meta, "is_of_files", json_boolean(inspect->settings.is_of_files), &ok);
     set_count(meta, "every", inspect->settings.every, &ok);
     set(meta, "is_full", json_boolean(inspect->is_full), &ok);
     set(meta, "is_rounded", json_boolean(inspect->settings.is_rounded), &ok);
     set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof inspect->no_lanes), &ok);
     set(meta, "origin", json_pack("[f, f, f]", origin[0], origin[1], origin[2]), &ok);
     set(meta, "unit", json_real(inspect->unit), &ok);
-    set(meta, "up", json_stringn((char[]){up_of(inspect, &summary->begin)}, 1), &ok);
-    set(meta, "names", json_incref(inspect->names), &ok);
+    set(meta, "up", json_stringn(&"xyz"[inspect->settings.up - 1], 1), &ok);
     set(meta, "meshes", json_incref(inspect->meshes), &ok);
     set(meta, "steps", json_incref(inspect->steps), &ok);
     int status = ok ? page_file_finish(inspect->page, meta, error) : no_memory(error);

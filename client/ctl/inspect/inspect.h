@@ -76,9 +76,8 @@ struct inspect_settings {
     uint64_t bytes_max; /* of the file */
     uint32_t boxes_max; /* of a level of a hierarchy that is shown; 0: none is */
     bool is_rounded;    /* positions in 16 bits each */
-    uint32_t up;        /* 1 x, 2 y, 3 z; 0: as recorded, or else guessed */
-    char *const *names; /* of the objects, in the order of their handles */
-    uint32_t name_count;
+    uint32_t up;        /* 1 x, 2 y, 3 z (play_up) */
+    bool is_of_files;   /* and not of a recording */
 };
 
 /* 24 bytes. */
@@ -94,10 +93,10 @@ struct inspect_contact {
 
 struct inspect {
     struct inspect_settings settings;
-    struct page_file *page;         /* the caller's, begun */
-    json_t *steps, *meshes, *names; /* ours: arrays */
-    uint64_t meta_bytes;            /* of these, in the file */
-    uint64_t first, last;           /* steps in the file; 0: none */
+    struct page_file *page; /* the caller's, begun */
+    json_t *steps, *meshes; /* ours: arrays */
+    uint64_t meta_bytes;    /* of these, in the file */
+    uint64_t first, last;   /* steps in the file; 0: none */
     uint64_t seen, kept;
     uint64_t left_out; /* steps of `seen` that --every leaves out */
     uint64_t differ;   /* answers other than the recorded ones */
@@ -106,8 +105,6 @@ struct inspect {
     bool has_origin;
     double origin[3]; /* the middle of the first step */
     double unit;      /* of lengths: 1, or the size of what is very small or large */
-    double moved[3];  /* the mean motion of each object's vertices, of all steps; .. */
-    double way[3];    /* .. the same without signs */
     struct bytes data, packed;
     struct pccd_box *boxes; /* [boxes_max] of a level; NULL: not needed yet */
     struct inspect_place *places;
@@ -126,8 +123,9 @@ struct inspect {
 
 /* Ends of a step at which inspect_pack_objects packs objects. */
 enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
-/* Return [{"handle", "mesh", "x0", "x1", "radius", "joint"}] of a scene; x0 and x1 are at
- * both ends of its step, or both at one of them; "joint" is null of what goes straight.
+/* Return [{"handle", "name", "mesh", "x0", "x1", "radius", "joint"}] of a scene; x0 and
+ * x1 are at both ends of its step, or both at one of them; "name" is null of what has
+ * none, "joint" of what goes straight.
  * `meshes` gets those that are not in the file yet. Edges of the scene's meshes are
  * known. */
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
@@ -138,7 +136,7 @@ json_t *inspect_pack_joints(struct inspect *inspect,
 /* Return {"at", "count"} of the contacts, or of the pairs of mode pairs, as contacts at
  * t = 0. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
-/* Return {"at", "count"} of what is near. */
+/* Return {"at", "count"} of what is near, or of the vertices that have something near. */
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_step *near);
 /* Return {"at", "count", "threads", "ns", "lost"}, or null: it was not recorded. */
 json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);

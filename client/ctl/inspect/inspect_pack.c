@@ -9,6 +9,7 @@
 
 #include "array.h"
 #include "inspect.h"
+#include "output.h"
 #include "recorded_state.h"
 
 /* A mesh that is in the file. */
@@ -329,11 +330,11 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
         json_t *x0 = pack_positions(inspect, place, (const double(*)[3])begin, count);
         json_t *x1 = pack_positions(inspect, place, (const double(*)[3])end, count);
         bool turns = moment == INSPECT_BOTH && object->turned;
-        json_t *item =
-            json_pack("{s:I, s:I, s:o, s:o, s:f, s:o}", "handle",
-                      (json_int_t)object->handle, "mesh", (json_int_t)mesh, "x0", x0,
-                      "x1", x1, "radius", object->attributes.radius, "joint",
-                      turns ? json_integer(object->joint) : json_null());
+        json_t *item = json_pack(
+            "{s:I, s:o, s:I, s:o, s:o, s:f, s:o}", "handle", (json_int_t)object->handle,
+            "name", object->name != NULL ? json_text(object->name) : json_null(), "mesh",
+            (json_int_t)mesh, "x0", x0, "x1", x1, "radius", object->attributes.radius,
+            "joint", turns ? json_integer(object->joint) : json_null());
         if (json_array_append_new(objects, item) != 0) {
             json_decref(objects);
             return NULL;

@@ -149,11 +149,11 @@ static void read_object(struct gltf_scene *scene, size_t index)
 {
     struct gltf *gltf = &scene->gltf;
     struct gltf_node *node = &scene->nodes[index];
-    const char *name = json_string_value(json_object_get(node->json, "name"));
     long long number = gltf_number(node->json, "mesh", -1);
     const json_t *entry = gltf_entry(gltf, "meshes", number);
     if (json_object_get(node->json, "mesh") == NULL ||
-        (gltf->is_export && (name == NULL || strncmp(name, "object ", 7) != 0)) ||
+        /* Marks of contacts, unlike objects, do not move. */
+        (gltf->is_export && json_object_get(entry, "weights") == NULL) ||
         !gltf_check_as(gltf, entry != NULL, PCCD_E_INDEX,
                        "node %zu: there is no mesh %lld", index, number)) {
         return;

@@ -76,23 +76,6 @@ static int play_recorded(struct player *player, const struct frames_recording *r
     return played;
 }
 
-int frames_name(struct frames_recording *recording, const struct scene *scene,
-                struct ctl_error *error)
-{
-    recording->names = calloc(scene->object_count + 1u, sizeof *recording->names);
-    for (uint32_t i = 0; i < scene->object_count && recording->names != NULL; i++) {
-        uint32_t place = 0;
-        for (uint32_t k = 0; k < scene->object_count; k++) {
-            place += scene->objects[k].handle < scene->objects[i].handle;
-        }
-        recording->names[place] = strdup(scene->objects[i].name);
-        recording->name_count += recording->names[place] != NULL;
-    }
-    return recording->name_count == scene->object_count
-               ? PCCD_OK
-               : ctl_error_set(error, PCCD_E_NOMEM, "no memory for names of objects");
-}
-
 int frames_record(struct frames_recording *recording, struct scene *scene,
                   const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error)
@@ -118,9 +101,6 @@ int frames_record(struct frames_recording *recording, struct scene *scene,
     if (status == PCCD_OK) {
         status = play_recorded(&player, recording, error);
     }
-    if (status == PCCD_OK) {
-        status = frames_name(recording, scene, error);
-    }
     pccd_close(player.client);
     player_deinit(&player);
     return status;
@@ -132,9 +112,4 @@ void frames_forget(struct frames_recording *recording)
         (void)close(recording->fd);
         recording->from[0] = '\0';
     }
-    for (uint32_t i = 0; recording->names != NULL && recording->names[i] != NULL; i++) {
-        free(recording->names[i]);
-    }
-    free(recording->names);
-    recording->names = NULL;
 }

@@ -13,8 +13,6 @@ struct frames_recording {
     int fd;           /* of the file, while `from` is not "" */
     char from[32];    /* what opens it, in this process; "": there is none */
     char name[224];   /* what it is told of as */
-    char **names;     /* ours: of the objects, in the order of their handles */
-    uint32_t name_count;
 };
 
 /* Record what the client does from now on, until pccd_record_stop: of steps with the
@@ -28,10 +26,7 @@ int frames_begin(struct frames_recording *recording, struct pccd_client *client,
 int frames_record(struct frames_recording *recording, struct scene *scene,
                   const struct option_arguments *files, const struct ctl_link *link,
                   struct ctl_error *error);
-/* Keep the names of the objects, which no recording has. Errors: E_NOMEM. */
-int frames_name(struct frames_recording *recording, const struct scene *scene,
-                struct ctl_error *error);
-/* Let go of the file and the names. */
+/* Let go of the file. */
 void frames_forget(struct frames_recording *recording);
 
 #endif

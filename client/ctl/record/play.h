@@ -91,8 +91,6 @@ struct play_settings {
     bool at_recorded_pace;
     bool only_last; /* of these steps, or, with shows_near, questions: the last that was
                        answered */
-    char *const *names;   /* of the objects of its scene, in the order of their handles */
-    uint32_t name_count;  /* 0: they have none */
     uint64_t number;      /* that steps are told of by; 0: their own */
     uint64_t first, last; /* steps to show and to repeat; last 0: to the end */
     enum pccd_method method; /* 0: as recorded */
@@ -132,6 +130,11 @@ void play_close(struct play_reader *reader);
 struct answers *play_answers(struct play_reader *reader);
 /* Return PCCD_OK, or why reading the answers did not come to the end of the file. */
 int play_damage(const struct play_reader *reader, struct ctl_error *error);
+/* Return the axis that points up in recordings, one after the other up to one without a
+ * path, for whoever shows them: 1 x, 2 y, 3 z. It is the one that the first that has one
+ * was given; else the one along which things fall in all steps, if the motion is plain;
+ * else y. What cannot be read says nothing. */
+uint32_t play_up(const struct play_settings *parts);
 /* Return whether a step is of the range that the settings name. */
 bool play_is_within(const struct play_settings *settings, uint64_t step);
 

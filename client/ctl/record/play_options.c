@@ -129,8 +129,6 @@ int play_options_open(struct play_options *options, struct ctl_error *error)
         status = frames_record(&options->frames, &scene, &options->files, &options->link,
                                error);
     }
-    options->play.names = options->frames.names;
-    options->play.name_count = options->frames.name_count;
     scene_close(&scene);
     return status;
 }

@@ -366,6 +366,20 @@ static int follow_filter(struct registry *state, const struct record_view *view,
     return status;
 }
 
+static int follow_name(struct registry *state, const struct record_view *view,
+                       struct ctl_error *error)
+{
+    const char *text = (const char *)view->payload + sizeof(struct record_name);
+    struct record_name name;
+    struct registry_scene *scene;
+    struct registry_object *object;
+    memcpy(&name, view->payload, sizeof name);
+    int status = find_object(state, name.scene, name.object, &scene, &object, error);
+    return status != PCCD_OK || registry_name_object(object, text, name.bytes) == PCCD_OK
+               ? status
+               : no_memory(error);
+}
+
 static int follow_pairs(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
@@ -467,6 +481,8 @@ int recorded_state_follow(struct registry *state, const struct record_view *view
         return follow_place(state, view, error);
     case RECORD_FILTER:
         return follow_filter(state, view, error);
+    case RECORD_NAME:
+        return follow_name(state, view, error);
     case RECORD_PAIRS:
         return follow_pairs(state, view, error);
     case RECORD_CLEARANCE:

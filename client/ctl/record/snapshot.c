@@ -19,10 +19,8 @@
 #define ORIGIN_RATIO 1024.0 /* how much farther off than large a scene is */
 
 struct taking {
-    const struct play_settings *settings;
     struct snapshot *snapshot;
     const struct snapshot_at *at;
-    const struct play_summary *summary; /* once it plays */
     bool is_taken;
     snapshot_fn show; /* NULL: the last one is kept, for the caller */
     void *context;
@@ -111,6 +109,7 @@ static bool take_object(const struct registry_object *from,
         pose = m;
     }
     *object = (struct snapshot_object){
+        .name = from->name != NULL ? strdup(from->name) : NULL,
         .handle = from->handle,
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
@@ -124,7 +123,7 @@ static bool take_object(const struct registry_object *from,
         .hits = calloc((size_t)mesh->triangle_count + 1, sizeof *object->hits)};
     if (object->x == NULL || object->motion == NULL || object->triangles == NULL ||
         object->hits == NULL || object->edges == NULL || object->points == NULL ||
-        object->radii == NULL) {
+        object->radii == NULL || (from->name != NULL && object->name == NULL)) {
         return false;
     }
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
@@ -331,7 +330,6 @@ static int find_contact(const struct snapshot_at *at, const struct play_step *st
 static int take_objects(const struct taking *taking, const struct registry_scene *scene,
                         const struct recorded_joints *joints, struct ctl_error *error)
 {
-    const struct play_settings *settings = taking->settings;
     struct snapshot *snapshot = taking->snapshot;
     snapshot->objects = calloc(scene->object_count + 1, sizeof *snapshot->objects);
     if (snapshot->objects == NULL) {
@@ -345,7 +343,6 @@ static int take_objects(const struct taking *taking, const struct registry_scene
                          &snapshot->objects[i])) {
             return no_memory(error);
         }
-        snapshot->objects[i].name = i < settings->name_count ? settings->names[i] : NULL;
     }
     return PCCD_OK;
 }
@@ -356,7 +353,6 @@ static void begin_snapshot(const struct taking *taking, uint64_t number)
     struct snapshot *snapshot = taking->snapshot;
     snapshot_deinit(snapshot);
     snapshot->step = number;
-    snapshot->up = taking->summary->begin.flags >> RECORD_UP_SHIFT & RECORD_UP_MASK;
 }
 
 static int take(void *context, const struct play_step *step, struct ctl_error *error)
@@ -402,7 +398,6 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
 static int play_steps(const struct play_settings *settings, struct taking *taking,
                       struct play_summary *summary, struct ctl_error *error)
 {
-    taking->summary = summary;
     int status = play(settings, take, taking, summary, error);
     if (status == PCCD_OK && !taking->is_taken && summary->frames == 0 &&
         summary->questions > 0) {
@@ -424,7 +419,7 @@ int snapshot_take(const struct play_settings *settings, const struct snapshot_at
                   struct snapshot *snapshot, struct play_summary *summary,
                   struct ctl_error *error)
 {
-    struct taking taking = {.settings = settings, .snapshot = snapshot, .at = at};
+    struct taking taking = {.snapshot = snapshot, .at = at};
     memset(snapshot, 0, sizeof *snapshot);
     int status = play_steps(settings, &taking, summary, error);
     if (status != PCCD_OK) {
@@ -438,11 +433,8 @@ int snapshot_each(const struct play_settings *settings, double t, snapshot_fn sh
 {
     const struct snapshot_at at = {.t = t};
     struct snapshot snapshot = {.object_count = 0};
-    struct taking taking = {.settings = settings,
-                            .snapshot = &snapshot,
-                            .at = &at,
-                            .show = show,
-                            .context = context};
+    struct taking taking = {
+        .snapshot = &snapshot, .at = &at, .show = show, .context = context};
     int status = play_steps(settings, &taking, summary, error);
     snapshot_deinit(&snapshot);
     return status;
@@ -495,8 +487,7 @@ int snapshot_take_near(const struct play_settings *settings, struct snapshot *sn
                        struct play_summary *summary, struct ctl_error *error)
 {
     struct play_settings asked = *settings;
-    struct taking taking = {
-        .settings = settings, .snapshot = snapshot, .summary = summary};
+    struct taking taking = {.snapshot = snapshot};
     memset(snapshot, 0, sizeof *snapshot);
     asked.shows_near = true;
     int status = play(&asked, take_near, &taking, summary, error);
@@ -525,9 +516,9 @@ void snapshot_report(const struct snapshot *snapshot, const char *path, bool is_
     bool is_near = snapshot->lines != NULL;
     uint64_t count = is_near ? snapshot->line_count : snapshot->contact_count;
     if (!is_json) {
-        printf("%s: %s %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
+        printf("%s: %s %" PRIu64 " at t = %s, %" PRIu32 " %s, %" PRIu64 " %s\n",
                tool_shown(path), is_near ? "question" : "step", snapshot->step,
-               snapshot->t, snapshot->object_count,
+               tool_shown_number(snapshot->t), snapshot->object_count,
                proto_plural(snapshot->object_count, "object", "objects"), count,
                is_near ? proto_plural(count, "record", "records")
                        : proto_plural(count, "contact", "contacts"));
@@ -559,6 +550,7 @@ void snapshot_report_steps(const char *path, uint64_t step_count, bool is_json)
 void snapshot_deinit(struct snapshot *snapshot)
 {
     for (uint32_t i = 0; i < snapshot->object_count; i++) {
+        free(snapshot->objects[i].name);
         free(snapshot->objects[i].x);
         free(snapshot->objects[i].motion);
         free(snapshot->objects[i].triangles);

@@ -5,7 +5,7 @@
 #include "play.h"
 
 struct snapshot_object {
-    const char *name; /* of the play_settings; NULL: it has none */
+    char *name; /* NULL: it has none */
     uint32_t handle;
     uint32_t vertex_count, triangle_count;
     uint32_t edge_count, point_count;
@@ -43,7 +43,6 @@ struct snapshot {
     uint64_t step;
     double t;
     double separation; /* of the step */
-    uint32_t up;       /* as recorded: 1 x, 2 y, 3 z; 0: nobody has said */
     struct snapshot_object *objects;
     uint32_t object_count;
     struct snapshot_contact *contacts;

@@ -171,6 +171,12 @@ bool verify_wrong(struct verify_result *result, const struct play_step *step,
     if (misnamed(step->scene, pair) != NULL) {
         return false;
     }
+    for (uint32_t side = 0; side < 2; side++) {
+        const struct registry_object *object =
+            registry_object(step->scene, side == 0 ? pair->object_a : pair->object_b);
+        (void)snprintf(witness->names[side], sizeof witness->names[side], "%s",
+                       object->name != NULL ? object->name : "");
+    }
     if (verify_turns(step, pair)) {
         verify_turning_tell(step, pair, witness);
         return false;
@@ -391,12 +397,11 @@ static bool can_check(const struct play_step *step, struct verify_result *result
 /* Say what stays open of an answer that is not all there, or not all that there is. */
 static void leave_open(const struct play_step *step, struct verify_result *result)
 {
-    static const char *const why[] = {[PCCD_INCOMPLETE_DEADLINE] = "its deadline passed",
-                                      [PCCD_INCOMPLETE_CANCELLED] = "it was cancelled",
-                                      [PCCD_INCOMPLETE_CONTACT_LIMIT] =
-                                          "there was more than the daemon kept",
-                                      [PCCD_INCOMPLETE_UNDECIDED] =
-                                          "some pairs of what turns are not known"};
+    static const char *const why[] = {
+        [PCCD_INCOMPLETE_DEADLINE] = "its deadline passed",
+        [PCCD_INCOMPLETE_CANCELLED] = "it was cancelled",
+        [PCCD_INCOMPLETE_CONTACT_LIMIT] = "there was more than the daemon kept",
+        [PCCD_INCOMPLETE_UNDECIDED] = "some pairs of what turns are not known"};
     uint32_t incomplete = verify_incomplete(step);
     if (!verify_is_complete(step)) {
         verify_leave(result, "%s: what is missing in its answer is not checked",

@@ -46,14 +46,17 @@ struct verify_counts {
     uint64_t turning; /* pairs of bodies that turn of which intervals do not tell all */
 };
 
+#define VERIFY_NAME_BYTES 64
+
 /* Proof of a fault: the step, what is wrong there, and with which pair. */
 struct verify_witness {
     uint64_t step;
     char what[200];
     bool has_pair;
     struct pccd_pair pair;
-    double p[8][3]; /* as oracle.h orders them */
-    bool has_claim; /* toi and toi_hi of the record */
+    char names[2][VERIFY_NAME_BYTES]; /* of its objects, cut; "": it has none */
+    double p[8][3];                   /* as oracle.h orders them */
+    bool has_claim;                   /* toi and toi_hi of the record */
     double toi, toi_hi;
     bool has_contact; /* exact: the first contact lies in [lo, hi] */
     double lo, hi;

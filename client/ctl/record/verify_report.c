@@ -10,6 +10,7 @@
 #include "columns.h"
 #include "output.h"
 #include "printable.h"
+#include "shown.h"
 
 /* Return the name of a point of a pair with those points a side: "vertex", "face 2", or
  * "edge a 0" where both are of one sort. */
@@ -35,19 +36,24 @@ static void print_witness(const struct verify_witness *witness)
         return;
     }
     const uint32_t *points = common_kinds[pair->kind].points;
-    fprintf(columns_fitted(stdout),
-            "  %s %" PRIu32 " of object 0x%" PRIx32 ", %s %" PRIu32
-            " of object 0x%" PRIx32 "\n",
-            common_feature_names[points[0]], pair->feature_a, pair->object_a,
-            common_feature_names[points[1]], pair->feature_b, pair->object_b);
+    const uint32_t features[2] = {pair->feature_a, pair->feature_b};
+    const uint32_t objects[2] = {pair->object_a, pair->object_b};
+    for (uint32_t side = 0; side < 2; side++) {
+        fprintf(columns_fitted(stdout), "%s%s %" PRIu32 " of object 0x%" PRIx32,
+                side == 0 ? "  " : ", ", common_feature_names[points[side]],
+                features[side], objects[side]);
+        if (witness->names[side][0] != '\0') {
+            fprintf(columns_fitted(stdout), " (%s)", tool_shown(witness->names[side]));
+        }
+    }
+    fputc('\n', columns_fitted(stdout));
     if (witness->has_claim) {
         fprintf(columns_fitted(stdout), "  claimed: first contact in [%a, %a]\n",
                 witness->toi, witness->toi_hi);
     }
     if (witness->has_contact) {
-        fprintf(columns_fitted(stdout),
-                "  exact:   first contact in [%a, %a], t = %.9g\n", witness->lo,
-                witness->hi, witness->lo);
+        fprintf(columns_fitted(stdout), "  exact:   first contact in [%a, %a], t = %s\n",
+                witness->lo, witness->hi, tool_shown_interval(witness->lo, witness->hi));
     } else {
         fprintf(columns_fitted(stdout), "  exact:   no contact\n");
     }
@@ -233,6 +239,8 @@ static const struct column witness_columns[] = {
     {"feature_a", .type = COLUMN_NUMBER, OF(pair.feature_a)},
     {"object_b", .type = COLUMN_NUMBER, OF(pair.object_b)},
     {"feature_b", .type = COLUMN_NUMBER, OF(pair.feature_b)},
+    {"name_a", .type = COLUMN_CHARS, OF(names[0])},
+    {"name_b", .type = COLUMN_CHARS, OF(names[1])},
     {"has_contact", .type = COLUMN_FLAG, OF(has_contact)},
     {"contact_lo", .type = COLUMN_REAL, OF(lo)},
     {"contact_hi", .type = COLUMN_REAL, OF(hi)},

@@ -10,6 +10,7 @@
 #include "array.h"
 #include "clock.h"
 #include "ctl.h"
+#include "link.h"
 #include "shown.h"
 
 static int no_memory(struct ctl_error *error)
@@ -434,6 +435,9 @@ static int place(struct scene *scene, struct scene_object *object,
     int status = scene_put_mesh(client, &first, &object->mesh, &object->info);
     if (status == PCCD_OK) {
         status = pccd_scene_add(client, handle, object->mesh, &object->handle);
+    }
+    if (status == PCCD_OK) {
+        status = ctl_name_object(client, handle, object->handle, object->name);
     }
     if (status == PCCD_OK && object->settings.what != 0) {
         status = pccd_object_set(client, handle, object->handle, &object->settings);

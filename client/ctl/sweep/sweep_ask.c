@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "joints.h"
+#include "link.h"
 #include "sweep.h"
 
 #define TOLERANCE_MIN 1e-12
@@ -26,6 +27,10 @@ static int put_shape(struct sweep *sweep, struct robot_shape *shape)
     if (status == PCCD_OK) {
         status = pccd_scene_add(sweep->client, sweep->scene, shape->registered,
                                 &shape->handle);
+    }
+    if (status == PCCD_OK) {
+        status = ctl_name_object(sweep->client, sweep->scene, shape->handle,
+                                 sweep->robot->parts[shape->part].name);
     }
     shape->settings.what |= PCCD_OBJECT_SELF; /* it is rigid */
     shape->settings.self_collision = false;

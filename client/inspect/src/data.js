@@ -325,7 +325,7 @@ export function readData() {
       const read = (at) => readPositions(section, at, mesh.vertexCount, meta.is_rounded);
       return {
         handle: object.handle,
-        name: meta.names[place] ?? `object ${place}`,
+        name: object.name ?? `object ${place}`,
         radius: object.radius / meta.unit,
         mesh,
         x0: read(object.x0),

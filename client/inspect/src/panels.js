@@ -7,7 +7,7 @@ import { KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
-import { digits, featureText, firstOf, flagText, headOf, isOfFiles, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
+import { digits, featureText, firstOf, flagText, headOf, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -27,7 +27,7 @@ export function makeHead({ meta }) {
       meta.is_full ? "The page was full: see --every, --steps and --max-size"
         : meta.every > 1 ? `One in ${meta.every}, as --every or --max-size ask` : "in this page, and recorded",
       meta.is_full ? "warn" : ""),
-    chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), isOfFiles(meta) ? "computed from the files, UTC" : "recorded, UTC"),
+    chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), meta.is_of_files ? "computed from the files, UTC" : "recorded, UTC"),
     chip(`libpccd ${recording.library}`, "that recorded"),
     chip(recording.cpu || "?", "instruction set of the daemon that answered then"),
   ];
@@ -39,8 +39,8 @@ export function makeHead({ meta }) {
   }
   if (differ > 0) {
     chips.push(chip(plural(differ, "answer differs", "answers differ"),
-      isOfFiles(meta) ? "when it is computed again" : "from those that were recorded", "bad"));
-  } else if (!isOfFiles(meta)) {
+      meta.is_of_files ? "when it is computed again" : "from those that were recorded", "bad"));
+  } else if (!meta.is_of_files) {
     chips.push(compared > 0 ? chip("✓ answers as recorded", "every hash is the recorded one", "good")
       : chip("not compared", "the recording holds no answers to compare with", "warn"));
   }
@@ -110,7 +110,7 @@ export function makeAnswer(data, state) {
     );
     const hash = byId("hash");
     hash.textContent = answer.hash;
-    const known = isOfFiles(data.meta) ? "hash of the first time" : "recorded hash";
+    const known = data.meta.is_of_files ? "hash of the first time" : "recorded hash";
     hash.title = { same: `the ${known}`, other: `not the ${known}`, none: "nothing to compare with" }[step.recorded];
     hash.className = { same: "good", other: "bad", none: "" }[step.recorded];
     const parts = partsOf(answer);

@@ -105,13 +105,10 @@ export function firstOf(step) {
 export const firstStepOf = ({ meta: { steps } }) =>
   steps.findIndex(({ near, answer }) => !near && answer.toi_first !== null);
 
-/** Whether a page was computed from files: these alone have names of objects. */
-export const isOfFiles = ({ names }) => names.length > 0;
-
 /** The command that draws a record of a step; files that were given are not known by their places. */
 export function renderText({ number }, i, meta) {
   const { name } = meta.recording;
-  const file = isOfFiles(meta) ? "FILES" : /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
+  const file = meta.is_of_files ? "FILES" : /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
   return `pccdctl render ${file} --steps ${number} --at 'contact ${i + 1}'`;
 }
 

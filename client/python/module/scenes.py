@@ -241,6 +241,12 @@ class Scenes:
                                             u32("object", object), byref(settings)))
         return self.object_get(scene, object)
 
+    def object_name(self, scene: int, object: int, name: str) -> None:
+        """Say what an object is called, for the people who look at a recording of this
+        client; "": it has no name any more. E_HANDLE; E_INVAL: more than 255 bytes."""
+        self._check(lib.pccd_object_name(self._handle, u32("scene", scene),
+                                         u32("object", object), name.encode()))
+
     def object_get(self, scene: int, object: int) -> ObjectSettings:
         """What an object may meet, as it is."""
         settings = with_size(abi.pccd_object_settings())

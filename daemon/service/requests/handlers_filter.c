@@ -2,6 +2,7 @@
  * thick they are.
  */
 #include <inttypes.h>
+#include <string.h>
 
 #include "call.h"
 #include "enginemem.h"
@@ -103,7 +104,23 @@ static int change(struct srv_request *request, struct srv_placed *placed,
     status = eng_scene_set_filter(engine, placed->engine_idx, &filter);
     PCCD_ASSERT(status == PCCD_OK); /* the engine has every object that is placed */
     placed->attributes = now;
-    srv_journal_note(request->plan.scene, PROTO_METHOD_OBJECT_SET, asked);
+    return 0;
+}
+
+/* Keep what an object is called. */
+static int keep_name(struct srv_request *request, struct srv_placed *placed)
+{
+    const char *name = request->params.OBJECT_SET.name;
+    size_t bytes = strlen(name) + 1;
+    char *copy = bytes > 1 ? eng_alloc(1, bytes) : NULL;
+    if (bytes > 1 && copy == NULL) {
+        return proto_error_set(&request->error, PCCD_E_NOMEM, "no memory for the name");
+    }
+    if (copy != NULL) {
+        memcpy(copy, name, bytes);
+    }
+    eng_free(placed->name);
+    placed->name = copy;
     return 0;
 }
 
@@ -119,6 +136,12 @@ static int work_set(struct srv_request *request)
     if (asked->what != 0) {
         COMMON_ATTRIBUTES_COPY(&given, asked);
         status = change(request, placed, &given);
+    }
+    if (status == 0 && asked->has_name) {
+        status = keep_name(request, placed);
+    }
+    if (status == 0 && (asked->what != 0 || asked->has_name)) {
+        srv_journal_note(request->plan.scene, PROTO_METHOD_OBJECT_SET, asked);
     }
     if (status != 0) {
         return status;
@@ -169,7 +192,7 @@ int srv_on_OBJECT_SET(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    if (!is_own && asked->what != 0) {
+    if (!is_own && (asked->what != 0 || asked->has_name)) {
         return proto_error_set(&call->error, PCCD_E_ACCESS,
                                "object 0x%x is another session's", asked->object);
     }

@@ -100,7 +100,7 @@ int srv_on_HELLO(struct srv_call *call)
                     PROTO_FEATURE_HASH_2 | PROTO_FEATURE_NEAR | PROTO_FEATURE_THICK |
                     PROTO_FEATURE_FREE | PROTO_FEATURE_BATCH | PROTO_FEATURE_TELLS |
                     PROTO_FEATURE_TOUCHING | PROTO_FEATURE_TURNING |
-                    PROTO_FEATURE_CLEARANCE,
+                    PROTO_FEATURE_CLEARANCE | PROTO_FEATURE_NAMES,
         .epoch = service->epoch,
         .session = call->session->id,
         .pid = (uint32_t)getpid(),

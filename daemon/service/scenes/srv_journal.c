@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -307,7 +308,11 @@ static void note_attributes(struct srv_journal *journal, const struct srv_placed
         set.what &= ~COMMON_OBJECT_THICK; /* a recording that needs no reader of these */
     }
     COMMON_ATTRIBUTES_COPY(&set, is);
-    if (!common_attributes_are_at_first(is)) {
+    if (placed->name != NULL) {
+        set.has_name = true;
+        (void)snprintf(set.name, sizeof set.name, "%s", placed->name);
+    }
+    if (set.has_name || !common_attributes_are_at_first(is)) {
         (void)add_request(journal, PROTO_METHOD_OBJECT_SET, &set, 0);
     }
 }

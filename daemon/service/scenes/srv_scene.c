@@ -24,6 +24,9 @@ static void scene_free_engine(struct srv_job *job)
     struct srv_scene *scene = (struct srv_scene *)job;
     eng_scene_free(scene->engine);
     scene->engine = NULL;
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        eng_free(scene->placed[i].name);
+    }
     eng_free(scene->placed);
     scene->placed = NULL;
 }
@@ -162,6 +165,7 @@ void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
     int status = eng_scene_remove(scene->engine, placed->engine_idx);
     PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
     srv_scene_count_ignored(scene);
+    eng_free(placed->name);
     *placed = (struct srv_placed){0};
 }
 

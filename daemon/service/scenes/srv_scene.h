@@ -32,6 +32,7 @@ struct srv_placed {
     uint64_t mesh_number;
     const struct srv_member *member; /* as the loop's */
     struct common_attributes attributes;
+    char *name; /* for journals; NULL: it has none */
     enum srv_mapped mapped;
 };
 
