@@ -33,7 +33,8 @@ struct inspect_event {
     uint32_t a, b;
 };
 
-/* 48 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
+/* 48 bytes: of what is near, the nearest points; of a crossing, the ends of its edge; of
+ * a vertex with its bound, which is the distance, the vertex twice. */
 struct inspect_line {
     float ends[2][3]; /* relative to the page's origin, in its unit */
     float distance;   /* d_lo */
@@ -429,14 +430,56 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
     return to != NULL ? counted(inspect, offset, packed) : NULL;
 }
 
+static void pack_ends(const struct inspect *inspect, const double ends[2][3],
+                      struct inspect_line *to)
+{
+    for (uint32_t k = 0; k < 6; k++) {
+        to->ends[k / 3][k % 3] =
+            (float)((ends[k / 3][k % 3] - inspect->origin[k % 3]) / inspect->unit);
+    }
+}
+
+/* Pack the vertices whose bounds are below the distance that was asked for: the others
+ * have nothing near. They come by objects, of the one that was asked about or all.
+ * Returns how many. */
+static uint64_t pack_bounds(const struct inspect *inspect, const struct play_step *near,
+                            struct inspect_line *to)
+{
+    const struct record_near *asked = near->asked;
+    uint64_t packed = 0, at = 0;
+    for (uint32_t i = 0; i < near->scene->object_count && i <= UINT16_MAX; i++) {
+        const struct registry_object *object = &near->scene->objects[i];
+        bool is_asked = asked->objects[0] == 0 || asked->objects[0] == object->handle;
+        uint32_t count = is_asked ? object->mesh->vertex_count : 0;
+        for (uint32_t v = 0; v < count && at < near->found.count; v++, at++) {
+            const double *x = asked->end == 0 ? object->x0[v] : object->x1[v];
+            const double ends[2][3] = {{x[0], x[1], x[2]}, {x[0], x[1], x[2]}};
+            if (!(near->bounds[at] < asked->distance)) {
+                continue;
+            }
+            pack_ends(inspect, ends, &to[packed]);
+            to[packed].distance = (float)near->bounds[at];
+            to[packed].kind = PCCD_VV;
+            to[packed].feature_a = to[packed].feature_b = v;
+            to[packed].object_a = to[packed].object_b = (uint16_t)i;
+            packed++;
+        }
+    }
+    return packed;
+}
+
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_step *near)
 {
-    uint64_t count = near->nears != NULL ? near->found.count : 0;
+    bool has_records = near->nears != NULL || near->bounds != NULL;
+    uint64_t count = has_records ? near->found.count : 0;
     size_t offset = 0;
     uint64_t packed = 0;
     uint16_t a = 0, b = 0;
     struct inspect_line *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
-    for (uint64_t i = 0; to != NULL && i < count; i++) {
+    if (to != NULL && near->bounds != NULL) {
+        packed = pack_bounds(inspect, near, to);
+    }
+    for (uint64_t i = 0; to != NULL && near->nears != NULL && i < count; i++) {
         const struct pccd_near *from = &near->nears[i];
         double ends[2][3];
         if (!find_object(near->scene, from->object_a, &a) ||
@@ -444,10 +487,7 @@ json_t *inspect_pack_lines(struct inspect *inspect, const struct play_step *near
             !recorded_near_line(near->scene, from, near->asked->end, ends)) {
             continue; /* a record that makes no sense: see snapshot.c */
         }
-        for (uint32_t k = 0; k < 6; k++) {
-            to[packed].ends[k / 3][k % 3] =
-                (float)((ends[k / 3][k % 3] - inspect->origin[k % 3]) / inspect->unit);
-        }
+        pack_ends(inspect, (const double(*)[3])ends, &to[packed]);
         to[packed].distance = (float)from->d_lo;
         to[packed].kind = from->kind;
         to[packed].feature_a = from->feature_a;

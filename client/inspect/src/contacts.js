@@ -4,7 +4,7 @@ import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js"
 import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
 import { pickContacts } from "./find.js";
-import { digits, featureText, firstOf, firstStepOf, flagText, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
+import { digits, featureText, firstOf, firstStepOf, flagText, isOfBounds, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
 const SPARE = 6; // rows beyond what is seen
@@ -104,8 +104,8 @@ function makeList(data, state, fly) {
     const value = measure ? digits(measure.of(i)) : "";
     const made = element("div", { className: "row", role: "option", id: `contact-${i}` },
       element("i", { className: "dot" }),
-      element("span", { className: "kind", title: flag?.title ?? name }, `${id.toUpperCase()} ${flag?.text ?? ""}`),
-      element("span", { className: "features" }, feature(step, i, "a"), feature(step, i, "b")),
+      element("span", { className: "kind", title: flag?.title ?? name }, isOfBounds(step) ? "" : `${id.toUpperCase()} ${flag?.text ?? ""}`),
+      element("span", { className: "features" }, feature(step, i, "a"), ...(isOfBounds(step) ? [] : [feature(step, i, "b")])),
       element("span", { className: "number" }, value));
     made.firstChild.style.background = cssOf(colourOfTime(contacts.toi[i]));
     made.style.top = `${place * height}px`;
@@ -124,7 +124,7 @@ function makeList(data, state, fly) {
     const step = data.step(index);
     const isNamed = step.objects.length > 1; // then two lines have room for names
     list.parentElement.classList.toggle("named", isNamed);
-    byId("head-features").replaceChildren(...(isNamed ? ["the two features"] : ["first feature", "second feature"])
+    byId("head-features").replaceChildren(...(isOfBounds(step) ? ["vertex"] : isNamed ? ["the two features"] : ["first feature", "second feature"])
       .map((text) => element("span", {}, text)));
     byId("head-measure").textContent = measureOf(step)?.name ?? "";
     const height = rowHeight();
@@ -221,7 +221,7 @@ function makeFilters(data, state) {
     const counts = KINDS.map(() => 0);
     contacts.kind.forEach((kind) => counts[kind]++);
     buttons.forEach((button, kind) => {
-      button.hidden = counts[kind] === 0 && data.meta.steps.every(({ answer }) => !answer[KINDS[kind].id]);
+      button.hidden = isOfBounds(data.step(index)) || counts[kind] === 0 && data.meta.steps.every(({ answer }) => !answer[KINDS[kind].id]);
       button.querySelector("b").textContent = count(counts[kind]);
       button.setAttribute("aria-pressed", String(kinds[kind]));
     });
@@ -237,7 +237,7 @@ function makeFilters(data, state) {
         state.set({ pair: "" });
       }
     }
-    select.replaceChildren(element("option", { value: "" }, "all pairs of objects"),
+    select.replaceChildren(element("option", { value: "" }, isOfBounds(step) ? "all objects" : "all pairs of objects"),
       ...pairs.map(({ value, text }) => element("option", { value }, text)));
     select.value = state.values.pair;
     select.hidden = pairs.length < 2 && state.values.pair === "";

@@ -3,8 +3,6 @@
 // Each blob is an element with base64 text of what zlib has compressed, which a browser unpacks
 // in the background: `load` a step before `step` is asked for it.
 
-import { Vector3 } from "three";
-
 import { byId } from "./dom.js";
 import { makePose, readJoints } from "./joints.js";
 
@@ -188,25 +186,39 @@ function weightsOf(kind, u, v) {
   return [kind === 1 ? [1 - u, u] : [1], [[1 - u - v, u, v], [1 - v, v], [1 - v, v], [1]][kind]];
 }
 
-/** Where something of an object is at a time that is at `from` at t = 0 and at `to` at t = 1. */
-function placeAt({ poseAt }, from, to, t) {
-  return poseAt ? new Vector3(...from).applyMatrix4(poseAt(t)).toArray()
-    : from.map((x, k) => x + t * (to[k] - x));
+/** Put where something of an object is at a time into `places`, as number `place`: it is at number
+ * `i` of `from` at t = 0 and of `to` at t = 1. */
+function putPlace(poseAt, from, to, i, t, places, place) {
+  const [x, y, z] = [from[3 * i], from[3 * i + 1], from[3 * i + 2]];
+  if (poseAt) {
+    const { elements: m } = poseAt(t);
+    for (let k = 0; k < 3; k++) {
+      places[3 * place + k] = m[k] * x + m[4 + k] * y + m[8 + k] * z + m[12 + k];
+    }
+  } else {
+    places[3 * place] = x + t * (to[3 * i] - x);
+    places[3 * place + 1] = y + t * (to[3 * i + 1] - y);
+    places[3 * place + 2] = z + t * (to[3 * i + 2] - z);
+  }
+  return places;
 }
 
-const tripleOf = (x, i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]];
-
 /** Where a vertex of an object is at a time. */
-export const vertexAt = (object, vertex, t) =>
-  placeAt(object, tripleOf(object.x0, vertex), tripleOf(object.x1, vertex), t);
+export const vertexAt = ({ poseAt, x0, x1 }, vertex, t) => putPlace(poseAt, x0, x1, vertex, t, [0, 0, 0], 0);
 
 /** Where all of them are. */
-export const verticesAt = (object, t) =>
-  Float32Array.from(Array.from({ length: object.mesh.vertexCount }, (_, i) => vertexAt(object, i, t)).flat());
+export function verticesAt({ poseAt, x0, x1, mesh }, t) {
+  const places = new Float32Array(3 * mesh.vertexCount);
+  for (let i = 0; i < mesh.vertexCount; i++) {
+    putPlace(poseAt, x0, x1, i, t, places, i);
+  }
+  return places;
+}
 
-/** Where contact `i` of a step is at a time: on its second feature. */
-export const contactAt = ({ objects, contacts, at0, at1 }, i, t) =>
-  placeAt(objects[contacts.objectB[i]], tripleOf(at0, i), tripleOf(at1, i), t);
+/** Where contact `i` of a step is at a time, on its second feature: number `place` of `places`. */
+export const putContact = ({ objects, contacts, at0, at1 }, i, t, places, place) =>
+  putPlace(objects[contacts.objectB[i]].poseAt, at0, at1, i, t, places, place);
+export const contactAt = (step, i, t) => putContact(step, i, t, [0, 0, 0], 0);
 
 /** Add to a place, `factor` times, where weighed vertices of an object are at a time. */
 function addPoint(places, place, factor, object, vertices, weights, t) {

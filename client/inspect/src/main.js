@@ -9,7 +9,7 @@ import { byId, oncePerFrame, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
 import { featuresOf } from "./marks.js";
-import { makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, recordText } from "./panels.js";
+import { makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, makeWhole, recordText } from "./panels.js";
 import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
 import { makeTimeline } from "./timeline.js";
@@ -252,6 +252,7 @@ async function start() {
   }
   makeHierarchy(data, state, view);
   makeAnswer(data, state);
+  makeWhole(data, goTo);
   makeDetail(data, state, does);
   makeObjectList(data, state);
   makeCounters(data, state);

@@ -6,7 +6,7 @@ import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
 import { colourOfTime } from "./colours.js";
-import { CROSSING, KINDS, contactAt, vertexAt, verticesOf } from "./data.js";
+import { CROSSING, KINDS, contactAt, putContact, vertexAt, verticesOf } from "./data.js";
 import { pointMaterial, stickMaterial, surfaceMaterial } from "./shaders.js";
 
 /** The corners of both features of contact `i`: [{object, vertices}, ...]. */
@@ -70,21 +70,39 @@ function nearLines({ ends, toi, kind }, picked, crossingColour) {
   return lines;
 }
 
-const columns = (count) => ({
-  at: new Float32Array(3 * count), target: new Float32Array(3 * count),
-  colour: new Float32Array(3 * count), toi: new Float32Array(count),
-});
-
-/** The foot of contact `i`, or a part of the way from there to its first feature, at two times. */
-function putMark({ at, target, colour, toi }, place, step, i, part, times) {
-  const { reach, contacts } = step;
-  const [from, to] = times.map((t) => contactAt(step, i, t));
-  for (let k = 0; k < 3; k++) {
-    at[3 * place + k] = from[k] + part * reach[3 * i + k];
-    target[3 * place + k] = to[k] + part * reach[3 * i + k];
+/** Points of contacts, [i, part]: the foot of contact `i`, or a part of the way from there to its
+ * first feature. Where nothing turns, they go from t = 0 to 1 by themselves; else they are placed at
+ * each time. */
+function makePoints(step, items) {
+  const { reach, contacts, turns } = step;
+  const at = new Float32Array(3 * items.length);
+  const target = turns ? at : new Float32Array(3 * items.length);
+  const colours = new Float32Array(3 * items.length);
+  const put = (places, t) => items.forEach(([i, part], place) => {
+    putContact(step, i, t, places, place);
+    for (let k = 0; k < 3; k++) {
+      places[3 * place + k] += part * reach[3 * i + k];
+    }
+  });
+  if (!turns) {
+    put(at, 0);
+    put(target, 1);
   }
-  colour.set(colourOfTime(contacts.toi[i]), 3 * place);
-  toi[place] = contacts.toi[i];
+  items.forEach(([i], place) => colours.set(colourOfTime(contacts.toi[i]), 3 * place));
+  const geometry = geometryOf({ at, target });
+  geometry.setAttribute("colour", new BufferAttribute(colours, 3));
+  geometry.setAttribute("toi", new BufferAttribute(Float32Array.from(items, ([i]) => contacts.toi[i]), 1));
+  return {
+    geometry,
+    place(t) {
+      if (turns) {
+        put(at, t);
+        for (const name of ["position", "target"]) {
+          geometry.getAttribute(name).needsUpdate = true;
+        }
+      }
+    },
+  };
 }
 
 export function makeMarks(group, uniforms) {
@@ -93,7 +111,7 @@ export function makeMarks(group, uniforms) {
   const chosen = new Group();
   let near = null;
   let ways = []; // functions that place parts of what is chosen at a time
-  let marked = null; // the arguments of showMarks
+  let marked = []; // of makePoints: what is shown
   for (const one of [points, sticks]) {
     one.frustumCulled = false;
     one.renderOrder = 2;
@@ -164,25 +182,18 @@ export function makeMarks(group, uniforms) {
     }, colours.normal, 2);
   }
 
-  /** Where nothing turns, marks go from t = 0 to 1 by themselves. */
   function showMarks(step, picked, isThick) {
-    const times = step.turns ? [uniforms.t.value, uniforms.t.value] : [0, 1];
-    const dots = columns(picked.length);
     const apart = step.near ? [] : picked.filter((i) => apartOf(step, i) > 0); // has lines
-    const ends = columns(2 * apart.length);
-    picked.forEach((i, place) => putMark(dots, place, step, i, isThick ? step.share[i] : 0, times));
-    apart.forEach((i, place) => {
-      putMark(ends, 2 * place, step, i, 0, times);
-      putMark(ends, 2 * place + 1, step, i, 1, times);
-    });
-    for (const [one, part] of [[points, dots], [sticks, ends]]) {
+    const items = [[points, picked.map((i) => [i, isThick ? step.share[i] : 0])],
+      [sticks, apart.flatMap((i) => [[i, 0], [i, 1]])]];
+    marked = items.map(([one, its]) => {
+      const part = makePoints(step, its);
+      part.place(uniforms.t.value);
       one.geometry.dispose();
-      one.geometry = geometryOf(part);
-      one.geometry.setAttribute("colour", new BufferAttribute(part.colour, 3));
-      one.geometry.setAttribute("toi", new BufferAttribute(part.toi, 1));
-      one.visible = part.toi.length > 0;
-    }
-    marked = [step, picked, isThick];
+      one.geometry = part.geometry;
+      one.visible = its.length > 0;
+      return part;
+    });
     return apart.length;
   }
 
@@ -213,9 +224,7 @@ export function makeMarks(group, uniforms) {
     },
     setTime(t) {
       placeWays(t);
-      if (marked?.[0].turns) {
-        showMarks(...marked);
-      }
+      marked.forEach((part) => part.place(t));
     },
   };
 }

@@ -7,7 +7,7 @@ import { KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
-import { digits, featureText, firstOf, flagText, headOf, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
+import { digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -128,12 +128,43 @@ export function makeAnswer(data, state) {
   });
 }
 
+/** What is worth knowing of all steps of the page, in a sentence whose steps one can go to. */
+export function makeWhole({ meta }, goTo) {
+  const steps = meta.steps.map(({ near, answer, number }, index) => ({ near, answer, number, index }))
+    .filter(({ near, answer }) => !near && answer.mode !== "pairs");
+  const meeting = steps.filter(({ answer }) => (answer.mode === "any" ? answer.verdict > 0 : answer.total > 0));
+  const crossed = steps.filter(({ answer }) => answer.crossings > 0);
+  const greatest = (measure) => steps.reduce((most, step) => (measure(step.answer) > measure(most.answer) ? step : most), steps[0]);
+  const go = ({ number, index }) => {
+    const button = element("button", { title: `Go to step ${number}` }, `step ${number}`);
+    button.addEventListener("click", () => goTo(index, { playing: false }));
+    return button;
+  };
+  byId("whole").hidden = steps.length < 2;
+  if (steps.length < 2) {
+    return;
+  }
+  const most = greatest(({ total }) => total);
+  const slowest = greatest(({ times }) => times.step);
+  byId("whole").replaceChildren(
+    `In ${count(meeting.length)} of ${count(steps.length)} steps something meets`,
+    ...(meeting.length > 0 ? [", first in ", go(meeting[0])] : []),
+    ...(most.answer.total > 0 ? [", most in ", go(most), ` (${count(most.answer.total)})`] : []),
+    ...(crossed.length > 0 ? [`; ${plural(crossed.length, "step begins", "steps begin")} with an intersection, the first is `, go(crossed[0])] : []),
+    "; the slowest is ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`,
+  );
+}
+
 /** "(0.1, 0.2, 0.3)" */
 const pointText = (x) => `(${x.map(digits).join(", ")})`;
 
+const FLOAT_PART = 2 ** -22; // of the size of a scene: what is less is the rounding of its floats
+
 /** Where record `i` is, in the recording's own coordinates. */
 function placeText(step, i, { origin, unit }) {
-  return pointText(contactAt(step, i, step.near ? 0 : step.contacts.toi[i]).map((x, k) => x * unit + origin[k]));
+  step.size ??= step.objects.reduce((most, { x1 }) => x1.reduce((its, x) => Math.max(its, Math.abs(x)), most), 0);
+  const at = contactAt(step, i, step.near ? 0 : step.contacts.toi[i]).map((x, k) => x * unit + origin[k]);
+  return pointText(at.map((x) => (Math.abs(x) > FLOAT_PART * step.size * unit ? x : 0)));
 }
 
 /** What is known of a record: [name, text]. */
@@ -143,13 +174,12 @@ function recordFacts(step, i, meta) {
   const measure = measureOf(step);
   const flag = flagText(step, i);
   return [
-    ["kind", KINDS[step.contacts.kind[i]].name],
-    ["first", featureText(step, i, "a")],
-    ["second", featureText(step, i, "b")],
+    ...(isOfBounds(step) ? [["vertex", featureText(step, i, "a")]]
+      : [["kind", KINDS[step.contacts.kind[i]].name], ["first", featureText(step, i, "a")], ["second", featureText(step, i, "b")]]),
     ...(measure?.name === "time" ? [["time", `t = ${digits(measure.of(i))}`]] : []),
     ...(measure ? [["place", placeText(step, i, meta)]] : []),
-    ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
-    ...(measure && (step.near || apart > 0) ? [["distance", digits(step.near ? measure.of(i) : apart)]] : []),
+    ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal.map((x) => Number(x.toFixed(2))))]] : []), // a 127th
+    ...(measure && (step.near || apart > 0) ? [[isOfBounds(step) ? "bound" : "distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
     ...(measure?.name === "time" ? [["drawn by", renderText(step, i, meta)]] : []),
   ];
@@ -158,9 +188,10 @@ function recordFacts(step, i, meta) {
 /** A record in a sentence, for a mail: "step 3: vertex 3 of cloth meets face 12 of ball at ...". */
 export function recordText(step, i, meta) {
   const facts = Object.fromEntries(recordFacts(step, i, meta));
-  const details = ["time", "place", "normal", "distance"].filter((name) => facts[name])
+  const details = ["time", "place", "normal", "distance", "bound"].filter((name) => facts[name])
     .map((name) => (name === "time" ? facts.time : `${name} ${facts[name]}`));
-  return `${step.near ? "question" : "step"} ${step.number}: ${facts.first} ${measureOf(step)?.name === "time" ? "meets" : "and"} ${facts.second}`
+  const features = facts.vertex ?? `${facts.first} ${measureOf(step)?.name === "time" ? "meets" : "and"} ${facts.second}`;
+  return `${step.near ? "question" : "step"} ${step.number}: ${features}`
     + `${details.length > 0 ? ` at ${details.join(", ")}` : ""}${facts.begins ? ` (${facts.begins})` : ""}`;
 }
 

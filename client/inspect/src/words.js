@@ -1,7 +1,7 @@
 // words.js - what the page says: numbers, features, objects, and what a step was answered.
 
 import { FEATURES, INITIAL, INSIDE, KINDS, verticesOf } from "./data.js";
-import { plural } from "./dom.js";
+import { count, plural } from "./dom.js";
 
 const INCOMPLETE = ["", "", "the deadline passed", "it was cancelled", "there are more than the daemon keeps"];
 
@@ -11,9 +11,12 @@ export function digits(value) {
   return rounded !== 0 && Math.abs(rounded) < 1e-3 ? rounded.toExponential() : String(rounded);
 }
 
+/** Whether the records are vertices with their bounds, and so have one feature each. */
+export const isOfBounds = ({ near }) => near === "vertices";
+
 /** Two objects of a step: "cloth and ball", "cloth and itself". */
-export const pairText = ({ objects }, a, b) =>
-  `${objects[a].name} and ${a === b ? "itself" : objects[b].name}`;
+export const pairText = (step, a, b) => (isOfBounds(step) ? step.objects[a].name
+  : `${step.objects[a].name} and ${a === b ? "itself" : step.objects[b].name}`);
 
 /** One side of record `i`: {object, points, feature, vertices}; no vertices: there is no such
  * feature. */
@@ -39,7 +42,7 @@ export function flagText({ contacts }, i) {
 
 /** How a step's records are measured: {name, of(i)}; null: candidate pairs have no measure. */
 export function measureOf({ contacts, near, answer }) {
-  return near ? { name: "distance", of: (i) => contacts.distance[i] }
+  return near ? { name: near === "vertices" ? "bound" : "distance", of: (i) => contacts.distance[i] }
     : answer.mode === "pairs" ? null : { name: "time", of: (i) => contacts.toi[i] };
 }
 
@@ -130,7 +133,7 @@ export function sentenceOf(step, last) {
   const asked = { first: ", the earliest; later ones were not asked for", "first-per-pair": "; of each two objects only their first was asked for" }[answer.mode] ?? "";
   const first = near && answer.distance_min !== null ? `; the least distance is ${digits(answer.distance_min)}`
     : !near && answer.toi_first !== null ? `${answer.mode === "first" ? "" : ", the first"} at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
-  const none = near === "vertices" ? "; pccdctl near --csv - lists them"
+  const none = isOfBounds(step) ? `; ${count(step.contacts.count)} ${step.contacts.count === 1 ? "has" : "have"} something within ${digits(step.asked.distance)}`
     : !near ? startText(step, answer.total === 0 && !cut) : "";
-  return [before, answer.total, ` ${answer.total === 1 ? one : many}${whereText(step)}${first}${answer.total > 0 ? asked : ""}${none}${cut}`];
+  return [before, answer.total, ` ${answer.total === 1 ? one : many}${isOfBounds(step) ? "" : whereText(step)}${first}${answer.total > 0 ? asked : ""}${none}${cut}`];
 }
