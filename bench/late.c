@@ -14,7 +14,9 @@
 
 #define JOINTS_MAX    4000u
 #define BODIES_MAX    2000u
+#define SCENES        64u        /* of a batch */
 #define PAUSE_MOST_NS 100000000u /* of a step that takes longer */
+#define SETTLE_NS     20000000u  /* in which a step takes along what is held */
 
 struct late {
     struct pccd_client *client;
@@ -24,8 +26,13 @@ struct late {
     struct pccd_joint joints[JOINTS_MAX];
     uint32_t joint_count;
     struct pccd_step_settings settings;
-    double (*x1[2])[3]; /* of a body that deforms, in turn; NULL: none does */
+    double (*x1[2])[3]; /* of bodies that deform, in turn; NULL: none does */
     uint32_t turn;
+    struct pccd_batch *batch; /* of scenes like `scene`; NULL: that one alone */
+    uint32_t scenes[SCENES];  /* of the batch, but for the first */
+    struct late *other;       /* member of the scene, whose steps take along what this
+                                 one holds; NULL: none does */
+    uint64_t other_step;
 };
 
 /* ---- bodies ------------------------------------------------------------------------ */
@@ -203,13 +210,13 @@ static void make_chain(struct late *late, bool smoke)
     free_shape(&floor);
 }
 
-/* A million triangles without joints that deform through one that stands. */
-static void make_straight(struct late *late, bool smoke)
+/* Triangles without joints that deform through as many that stand. */
+static void make_deforming(struct late *late, uint32_t side)
 {
-    struct shape roll = make_roll(smoke ? 30 : 708);
+    struct shape roll = make_roll(side);
     uint32_t mesh = register_shape(late, &roll);
     (void)add(late, mesh);
-    for (uint32_t i = 0; i < 2; i++) {
+    for (uint32_t i = 0; i < 2 && late->x1[1] == NULL; i++) {
         late->x1[i] = bench_alloc(roll.vertices, sizeof *late->x1[i]);
         for (uint32_t v = 0; v < 3 * roll.vertices; v++) {
             late->x1[i][v / 3][v % 3] = roll.x[v / 3][v % 3] + 0.01 * i * (v % 3);
@@ -220,41 +227,183 @@ static void make_straight(struct late *late, bool smoke)
     free_shape(&roll);
 }
 
+static void make_straight(struct late *late, bool smoke)
+{
+    make_deforming(late, smoke ? 30 : 708);
+}
+
+/* ---- batches ----------------------------------------------------------------------- */
+
+/* Have a batch of scenes; `make` makes one of them, all alike. */
+static void make_batch(struct late *late, bool smoke,
+                       void (*make)(struct late *late, bool smoke))
+{
+    const uint32_t scenes = smoke ? 3 : SCENES;
+    struct pccd_batch_part *parts = bench_alloc(scenes * JOINTS_MAX, sizeof *parts);
+    uint32_t joint_counts[SCENES], first = late->scene, part_count = 0;
+    for (uint32_t s = 0; s < scenes; s++) {
+        late->count = late->joint_count = 0;
+        if (s > 0) {
+            bench_must(pccd_scene_create(late->client, NULL, &late->scenes[s]), "scene",
+                       late->client);
+            late->scene = late->scenes[s];
+        }
+        make(late, smoke);
+        joint_counts[s] = late->joint_count;
+        for (uint32_t i = 0; i < late->count; i++) {
+            const struct pccd_motion *motion = &late->motions[i];
+            parts[part_count++] = (struct pccd_batch_part){
+                .scene = late->scene,
+                .object = motion->object,
+                .first = motion->first,
+                .count = motion->count,
+                .format = motion->format,
+                .way = late->joint_count > 0 ? PCCD_BATCH_TURNING : PCCD_BATCH_X1};
+        }
+    }
+    late->scene = first;
+    bench_must(pccd_batch_create_turning(late->client, parts, part_count, joint_counts,
+                                         scenes, &late->batch),
+               "batch", late->client);
+    free(parts);
+}
+
+/* An arm of six links in a cell, each joint of which turns by 0.8. */
+static void make_arm(struct late *late, bool smoke)
+{
+    struct shape link = make_roll(smoke ? 5 : 16), cell = make_sheet(smoke ? 5 : 76);
+    uint32_t mesh = register_shape(late, &link), last = PCCD_NO_JOINT;
+    (void)add(late, register_shape(late, &cell));
+    for (uint32_t i = 0; i < 6; i++) {
+        last = hinge(late, last, 0.8);
+        late->joints[last].position[0] = 1;
+        late->joints[last].position[2] = i == 0 ? 1.5 : 0;
+        turn(late, mesh, link.vertices, last);
+    }
+    free_shape(&link);
+    free_shape(&cell);
+}
+
+/* 16 000 triangles that deform through as many that stand. */
+static void make_small(struct late *late, bool smoke)
+{
+    make_deforming(late, smoke ? 10 : 90);
+}
+
+static void make_arms(struct late *late, bool smoke)
+{
+    make_batch(late, smoke, make_arm);
+}
+
+static void make_smalls(struct late *late, bool smoke)
+{
+    make_batch(late, smoke, make_small);
+}
+
+/* ---- held frames ------------------------------------------------------------------- */
+
+/* A million triangles whose frame is held, and another member's body, which turns about
+ * itself and takes it along. */
+static void make_held(struct late *late, bool smoke)
+{
+    const struct pccd_scene_settings share = {.name = "late", .share = PCCD_SHARE_OPEN};
+    struct shape roll = make_roll(smoke ? 10 : 50);
+    struct late *other = bench_alloc(1, sizeof *other);
+    *other = (struct late){.client = bench_connect(0, pccd_url(late->client)),
+                           .settings = PCCD_STEP_SETTINGS_INIT};
+    bench_must(pccd_scene_destroy(late->client, late->scene), "scene", late->client);
+    bench_must(pccd_scene_create(late->client, &share, &late->scene), "scene",
+               late->client);
+    make_straight(late, smoke);
+    bench_must(pccd_scene_create(other->client, &share, &other->scene), "scene",
+               other->client);
+    turn(other, register_shape(other, &roll), roll.vertices,
+         hinge(other, PCCD_NO_JOINT, 1e5));
+    late->settings.hold = true;
+    late->other = other;
+    free_shape(&roll);
+}
+
 static const struct {
     const char *name;
     void (*make)(struct late *late, bool smoke);
 } scenes[] = {
-    {"pile of boxes", make_pile},  {"large twins", make_large},
-    {"undecided", make_undecided}, {"10^5 rad", make_often},
-    {"64 joints", make_chain},     {"straight", make_straight},
+    {"pile of boxes", make_pile},   {"large twins", make_large},
+    {"undecided", make_undecided},  {"10^5 rad", make_often},
+    {"64 joints", make_chain},      {"straight", make_straight},
+    {"a batch of arms", make_arms}, {"a batch, straight", make_smalls},
+    {"a held frame", make_held},
 };
 
 /* ---- what is measured -------------------------------------------------------------- */
+
+/* Submit a step of each scene of the batch; they move alike. */
+static uint64_t submit_batch(struct late *late, const struct pccd_step_settings *settings)
+{
+    const uint32_t parts = pccd_batch_scenes(late->batch) * late->count;
+    const void **x1 = bench_alloc(parts, sizeof *x1);
+    uint64_t step = 0;
+    for (uint32_t i = 0; i < parts; i++) {
+        x1[i] = late->joint_count > 0 ? (const void *)late->joints
+                                      : (const void *)late->x1[late->turn];
+    }
+    bench_must(pccd_batch_submit(late->batch, NULL, x1, settings, &step), "submit",
+               late->client);
+    free(x1);
+    return step;
+}
 
 static uint64_t submit(struct late *late, uint64_t budget_ns)
 {
     struct pccd_step_settings settings = late->settings;
     uint64_t step = 0;
     settings.deadline_ns = budget_ns;
+    late->turn = 1 - late->turn;
+    if (late->batch != NULL) {
+        return submit_batch(late, &settings);
+    }
     settings.joints = late->joint_count > 0 ? late->joints : NULL;
     settings.joint_count = late->joint_count;
-    late->turn = 1 - late->turn;
     late->motions[0].x1 = late->x1[late->turn];
     bench_must(pccd_submit(late->client, late->scene, late->motions, late->count,
                            &settings, &step),
                "submit", late->client);
+    late->other_step = late->other != NULL ? submit(late->other, 0) : 0;
     return step;
 }
 
 /* Wait for it; returns whether it was not done before it had to end. */
-static bool end(struct late *late, uint64_t step)
+static bool wait_for(struct late *late, uint64_t step)
 {
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    bench_must(pccd_wait(late->client, step, -1, &answer), "step", late->client);
-    bool ended = answer.incomplete == PCCD_INCOMPLETE_DEADLINE ||
-                 answer.incomplete == PCCD_INCOMPLETE_CANCELLED;
-    pccd_answer_release(late->client, &answer);
+    bool ended;
+    if (late->batch != NULL) {
+        bench_must(pccd_batch_wait(late->client, step, -1, &all), "step", late->client);
+        ended = all.incomplete > 0;
+        pccd_batch_release(late->client, &all);
+    } else {
+        int status = pccd_wait(late->client, step, -1, &answer);
+        if (status == PCCD_E_BUSY && late->other != NULL) {
+            return false; /* what was held before is still being moved */
+        }
+        bench_must(status, "step", late->client);
+        ended = answer.incomplete == PCCD_INCOMPLETE_DEADLINE ||
+                answer.incomplete == PCCD_INCOMPLETE_CANCELLED;
+        pccd_answer_release(late->client, &answer);
+    }
     return ended;
+}
+
+/* End another member's step. What is held may have come too late for it, and goes along
+ * with the next. */
+static void end_other(struct late *late)
+{
+    if (late->other != NULL) {
+        (void)pccd_cancel(late->other->client, late->other_step);
+        (void)wait_for(late->other, late->other_step);
+        (void)wait_for(late->other, submit(late->other, SETTLE_NS));
+    }
 }
 
 static double us_since(uint64_t ns)
@@ -263,41 +412,73 @@ static double us_since(uint64_t ns)
     return now_ns > ns ? 1e-3 * (double)(now_ns - ns) : 0;
 }
 
+/* Submit a step that ends after the budget, or nanoseconds 0: is cancelled after a pause.
+ * Add to `samples` how long after that its answer comes; or, if these are a ping's, how
+ * long a ping takes then. */
+static void measure_one(struct late *late, uint64_t budget_ns, uint32_t pause_us,
+                        struct bench_samples *samples, struct bench_samples *ping)
+{
+    uint64_t step = submit(late, budget_ns);
+    uint64_t end_ns = common_now_ns() + budget_ns;
+    if (budget_ns == 0) {
+        (void)usleep(pause_us);
+        end_ns = common_now_ns();
+    }
+    if (ping != NULL) {
+        bench_add(ping, bench_ping_us(late->client));
+    }
+    if (budget_ns == 0) {
+        (void)pccd_cancel(late->client, step); /* or it is done */
+    }
+    if (wait_for(late, step) && samples != NULL) {
+        bench_add(samples, us_since(end_ns));
+    }
+    end_other(late);
+}
+
 static void measure_rounds(struct late *late, const char *name, bool smoke,
                            uint32_t threads)
 {
     const uint32_t rounds = smoke ? 3 : 20;
     struct bench_samples cancel = {NULL, 0, 0}, deadline = {NULL, 0, 0},
-                         ping = {NULL, 0, 0};
+                         ping = {NULL, 0, 0}, bare = {NULL, 0, 0};
     late->settings.threads = threads;
     uint64_t begin_ns = common_now_ns();
-    (void)end(late, submit(late, smoke ? 2000000 : PAUSE_MOST_NS));
+    measure_one(late, smoke ? 2000000 : PAUSE_MOST_NS, 0, NULL, NULL);
     uint32_t most_us = (uint32_t)us_since(begin_ns) + 1;
-    for (uint32_t i = 0; i < 3 * rounds; i++) {
-        uint32_t pause_us = prng_u32(&late->prng, most_us);
-        uint64_t budget_ns = 1 + 1000ull * pause_us;
-        uint64_t step = submit(late, i % 3 == 1 ? budget_ns : 0);
-        begin_ns = common_now_ns() + (i % 3 == 1 ? budget_ns : 0);
-        if (i % 3 != 1) {
-            (void)usleep(pause_us);
-            begin_ns = common_now_ns();
-        }
-        if (i % 3 == 2) {
-            bench_add(&ping, bench_ping_us(late->client));
-        }
-        if (i % 3 != 1) {
-            (void)pccd_cancel(late->client, step); /* or it is done */
-        }
-        if (end(late, step) && i % 3 != 2) {
-            bench_add(i % 3 == 0 ? &cancel : &deadline, us_since(begin_ns));
-        }
+    for (uint32_t i = 0; i < rounds; i++) {
+        measure_one(late, 0, prng_u32(&late->prng, most_us), &cancel, NULL);
+        measure_one(late, 1 + 1000ull * prng_u32(&late->prng, most_us), 0, &deadline,
+                    NULL);
+        measure_one(late, 0, prng_u32(&late->prng, most_us), NULL, &ping);
+        (void)usleep(1000); /* as one who waits: processors sleep */
+        bench_add(&bare, bench_ping_us(late->client));
     }
     bench_check(cancel.count + deadline.count > 0, name, "every step was done in time");
     struct bench_side rows[] = {
         {.what = "cancel", .unit = "us", .threads = threads, .samples = cancel},
         {.what = "deadline", .unit = "us", .threads = threads, .samples = deadline},
-        {.what = "ping beside it", .unit = "us", .threads = threads, .samples = ping}};
+        {.what = "ping beside it", .unit = "us", .threads = threads, .samples = ping},
+        {.what = "ping alone", .unit = "us", .threads = threads, .samples = bare}};
     bench_sides_end(name, rows, sizeof rows / sizeof rows[0], true);
+}
+
+static void unmake(struct late *late)
+{
+    for (uint32_t s = 0; s < SCENES; s++) {
+        uint32_t scene = s == 0 ? late->scene : late->scenes[s];
+        if (scene != 0) {
+            bench_must(pccd_scene_destroy(late->client, scene), "scene", late->client);
+        }
+    }
+    if (late->other != NULL) {
+        pccd_close(late->other->client);
+    }
+    pccd_batch_destroy(late->batch);
+    free(late->other);
+    free(late->x1[0]);
+    free(late->x1[1]);
+    free(late);
 }
 
 int section_late(const struct section_options *section)
@@ -316,10 +497,7 @@ int section_late(const struct section_options *section)
         scenes[i].make(late, options->smoke);
         measure_rounds(late, scenes[i].name, options->smoke, 1);
         measure_rounds(late, scenes[i].name, options->smoke, 2);
-        bench_must(pccd_scene_destroy(client, late->scene), "scene", client);
-        free(late->x1[0]);
-        free(late->x1[1]);
-        free(late);
+        unmake(late);
     }
     pccd_close(client);
     return 0;

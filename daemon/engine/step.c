@@ -406,6 +406,13 @@ static int prepare(struct eng_scene *scene, const struct eng_question *question,
     return status == PCCD_OK ? reserve(scene, question) : status;
 }
 
+/* Leave out all of a step that has to end before it begins: the method makes no boxes,
+ * and does not get ready to make any. A batch has many such. */
+static void search_nothing(struct eng_team *team, struct eng_worker *worker)
+{
+    (void)team, (void)worker;
+}
+
 /* Choose what is searched, when the positions have moved on. */
 static void start(struct eng_team *team, const struct eng_question *question, bool turns,
                   bool by_bodies)
@@ -418,7 +425,11 @@ static void start(struct eng_team *team, const struct eng_question *question, bo
     if (!by_bodies) {
         eng_bodies_leave(scene, question);
     }
-    if (!team->search) {
+    bool is_over = !question->brief && eng_worker_should_stop(team->workers[0]);
+    if (!team->search && is_over) {
+        team->search = search_nothing;
+        team->has_boxes = true;
+    } else if (!team->search) {
         team->method->start(team, question);
     }
     if (question->brief && (turns || !is_bounded(scene, team, question))) {
