@@ -205,8 +205,7 @@ CASE_CROSSING(brief__nothing_is_the_loops_while_another_step_runs)
         assert_ok(test_grid_await(&grid, step));
     }
     assert_true(behind > 0 || test_is_direct());
-    test_grid_free(&grid);
-    pccd_close(other);
+    test_grid_close(&grid);
 }
 
 /* If it failed: a deadline that has passed, or a cancel, would be ignored by the loop, or

@@ -508,8 +508,7 @@ CASE_WITH(incomplete__at_the_limit_keeps_the_first_records_in_order, open_client
         fall(&grid, method, &answer); /* it had moved on: this is the way back */
         assert_int_equal(read_all(&grid, &answer, whole), SIDE * SIDE);
     }
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
     client = usual;
     free(whole);
     free(kept);

@@ -314,8 +314,7 @@ CASE(death__of_the_daemon_is_an_error_at_once)
     /* What was handed out before is still there to be read. */
     assert_true(test_grid_is_right(&grid, &kept));
     pccd_answer_release(client, &kept);
-    pccd_close(client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
     (void)test_daemon_end(&daemon, 0, 5000);
     (void)test_daemon_finish(&daemon);
     (void)munmap((void *)(uintptr_t)killed_us, 4096);

@@ -449,8 +449,7 @@ CASE(direct__warm_frames_allocate_nothing)
     }
     assert_int_equal(test_allocations() - before, 0);
     assert_true(before > 0); /* they are counted */
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 /* If it failed, what a step finds, which lies where its page will, would be written over
@@ -478,8 +477,7 @@ CASE(direct__held_answers_stay_while_others_are_found)
             assert_memory_equal(held[k].contacts, copies[k], sizeof copies[0]);
         }
     }
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a program that connects now and then would grow. */
@@ -548,8 +546,7 @@ CASE(direct__descriptor_is_readable_while_answers_wait)
     }
     assert_false(is_readable(pccd_fd(client)));
     assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a step would be cut short by the time that its program took to ask. */
@@ -575,6 +572,5 @@ CASE(direct__deadline_counts_computing_alone)
                          i == 1 ? PCCD_INCOMPLETE_DEADLINE : PCCD_COMPLETE);
         pccd_answer_release(client, &answer);
     }
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }

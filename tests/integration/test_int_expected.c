@@ -40,6 +40,5 @@ CASE(expected__memory_follows_records)
         /* What the client has read was mapped twice. */
         assert_in_range(answered - rest - (i == 3 ? 5u : 2u) * MB, 0, 8);
     }
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }

@@ -296,8 +296,7 @@ CASE_CROSSING(flow__full_region_is_said_and_held_pages_stay)
     assert_ok(pccd_fetch(small, grid.scene, step, 0, &answer));
     assert_true(answer.count >= 1000);
     pccd_answer_release(small, &answer);
-    test_grid_free(&grid);
-    pccd_close(small);
+    test_grid_close(&grid);
 }
 
 /* ---- time -------------------------------------------------------------------------- */

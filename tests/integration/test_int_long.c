@@ -276,8 +276,7 @@ CASE_WITH(long__answers_beside_it_are_the_same_bytes, open_daemon, close_daemon)
         assert_int_equal(beside.total, same->total);
     }
     drive_out(&sties[0]);
-    pccd_close(client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
 }
 
 /* ---- a scene that is used by both -------------------------------------------------- */

@@ -109,12 +109,6 @@ static void open_grid(struct test_grid *grid, const char *url, uint64_t result_b
     assert_ok(test_grid_make(client, SIDE, grid));
 }
 
-static void close_grid(struct test_grid *grid)
-{
-    pccd_close(grid->client);
-    test_grid_free(grid);
-}
-
 /* Its way to height z, in an answer of a step. */
 static void step_to(struct test_grid *grid, float z, struct pccd_answer *answer)
 {
@@ -216,8 +210,8 @@ CASE(near__has_the_same_bytes_in_any_way)
         move_to(&grids[1], 0.02f);
     }
     assert_true(most > 2048); /* of 1024 a page */
-    close_grid(&grids[0]);
-    close_grid(&grids[1]);
+    test_grid_close(&grids[0]);
+    test_grid_close(&grids[1]);
 }
 
 /* If it failed, to move and ask at once would answer about another moment than a step
@@ -254,8 +248,8 @@ CASE(near__moves_and_asks_at_once)
     assert_true(steps[0].total > 0);
     assert_memory_equal(steps[0].hash, steps[1].hash, sizeof steps[0].hash);
     assert_int_equal(steps[1].number, 1); /* what moves by the way is not counted */
-    close_grid(&apart);
-    close_grid(&once);
+    test_grid_close(&apart);
+    test_grid_close(&once);
 }
 
 /* If it failed, a frame that is written in place could not be asked about. */
@@ -377,7 +371,7 @@ CASE(near__keeps_an_answer_beside_that_of_the_step)
     assert_non_null(strstr(pccd_error_text(grid.client), "no answer to scene.near"));
     free(first.records);
     free(other.records);
-    close_grid(&grid);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a question would cost the next step what it knows of the last one, or
@@ -407,8 +401,8 @@ CASE(near__leaves_steps_as_they_are)
         pccd_answer_release(asked.client, &a);
         pccd_answer_release(silent.client, &b);
     }
-    close_grid(&asked);
-    close_grid(&silent);
+    test_grid_close(&asked);
+    test_grid_close(&silent);
 }
 
 /* ---- refusals ---------------------------------------------------------------------- */

@@ -69,15 +69,6 @@ static void expect_nothing(uint64_t step, enum pccd_incomplete why)
     assert_true(answer.distance_min == 2e18 && answer.distance_max == 0);
 }
 
-static void expect_turn(uint64_t step)
-{
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-
-    assert_ok(pccd_wait(client, step, -1, &answer));
-    assert_true(test_grid_is_right(&grid, &answer));
-    pccd_answer_release(client, &answer);
-}
-
 /* ---- ends -------------------------------------------------------------------------- */
 
 /* If it failed, who shares the daemon with long steps would be answered when it is of no
@@ -114,9 +105,9 @@ CASE_WITH(near__is_answered_at_its_deadline_and_cancel, NULL, teardown)
             assert_true(grid.z == from);
             grid.z = moves ? -grid.z : grid.z;
             assert_ok(test_grid_submit(&grid, NULL, &after));
-            expect_turn(before[0]);
-            expect_turn(before[1]);
-            expect_turn(after);
+            test_grid_expect(&grid, before[0]);
+            test_grid_expect(&grid, before[1]);
+            test_grid_expect(&grid, after);
         }
     }
     assert_int_equal(test_stat(client, "slots_stale"), 0);
@@ -465,7 +456,7 @@ CASE_WITH(near__counts_among_the_steps_in_flight, NULL, teardown)
     assert_int_equal(test_raw_answer(&raw, ids[2], PROTO_METHOD_SCENE_NEAR, NULL),
                      PCCD_E_BUSY);
     assert_non_null(strstr(raw.error.text, "2 steps are in flight"));
-    expect_turn(long_step);
+    test_grid_expect(&grid, long_step);
     test_raw_close(&raw);
 }
 

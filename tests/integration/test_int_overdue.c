@@ -9,6 +9,7 @@
 #include "crossing.h"
 #include "fixture.h"
 #include "grid.h"
+#include "must.h"
 #include "raw.h"
 
 #define SIDE         250u /* a step of 20 ms and more; its slot is copied: 750 KB */
@@ -49,15 +50,6 @@ static void take(uint64_t step, struct pccd_answer *answer)
 {
     assert_ok(pccd_wait(client, step, 60000, answer));
     assert_int_equal(answer->status, 0);
-}
-
-static void expect_whole(uint64_t step)
-{
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-
-    take(step, &answer);
-    assert_true(test_grid_is_right(&grid, &answer));
-    pccd_answer_release(client, &answer);
 }
 
 static void expect_nothing(uint64_t step, enum pccd_incomplete why)
@@ -107,9 +99,9 @@ CASE_WITH(overdue__step_is_answered_at_its_deadline, start, teardown)
         assert_true((int64_t)(test_now_us() - begin_us) <= GENEROUS_US);
         /* Through a slot that was free again, and from where the motion has led. */
         assert_ok(test_grid_submit(&grid, NULL, &after));
-        expect_whole(before[0]);
-        expect_whole(before[1]);
-        expect_whole(after);
+        test_grid_expect(&grid, before[0]);
+        test_grid_expect(&grid, before[1]);
+        test_grid_expect(&grid, after);
     }
 }
 
@@ -127,9 +119,9 @@ CASE_WITH(overdue__step_is_answered_when_it_is_cancelled, start, teardown)
     expect_nothing(cancelled, PCCD_INCOMPLETE_CANCELLED);
     assert_false(is_answered(before[1]));
     assert_ok(test_grid_submit(&grid, NULL, &after));
-    expect_whole(before[0]);
-    expect_whole(before[1]);
-    expect_whole(after);
+    test_grid_expect(&grid, before[0]);
+    test_grid_expect(&grid, before[1]);
+    test_grid_expect(&grid, after);
 }
 
 /* If it failed, the loop would copy for as long as others wait for it, or the positions
@@ -148,9 +140,9 @@ CASE_WITH(overdue__large_step_is_answered_in_its_turn, start_large, teardown)
     take(overdue, &answer);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     pccd_answer_release(client, &answer);
-    expect_whole(before);
+    test_grid_expect(&grid, before);
     assert_ok(test_grid_submit(&grid, NULL, &after));
-    expect_whole(after);
+    test_grid_expect(&grid, after);
 }
 
 /* ---- while it is computed ---------------------------------------------------------- */
@@ -226,7 +218,7 @@ CASE_WITH(overdue__step_is_answered_while_its_thread_looks_at_nothing, start, te
         }
         pccd_answer_release(client, &answer);
         assert_ok(test_grid_submit(&grid, NULL, &step)); /* from where that has led */
-        expect_whole(step);
+        test_grid_expect(&grid, step);
     }
     assert_true(is_answered_meanwhile);
 }
@@ -267,7 +259,7 @@ CASE_WITH(overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardo
         assert_ok(test_raw_add(&raw, scene, mesh, &object));
         assert_ok(test_grid_submit(&grid, NULL, &step));
         status = submit_doomed(scene, object, &result);
-        expect_whole(step);
+        test_grid_expect(&grid, step);
     }
     assert_int_equal(status, 0);
     assert_int_equal(result.incomplete, PCCD_INCOMPLETE_DEADLINE);

@@ -362,8 +362,7 @@ CASE(record__keeps_its_bound)
     assert_int_equal(info.status, PCCD_E_LIMIT);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_LIMIT);
     assert_in_range(bytes_of(test_recording), 32768, 65536);
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
     test_recording_repeats("--json", test_recording, 8);
 }
 
@@ -392,8 +391,7 @@ CASE(record__keeps_the_newest_segments)
     }
     (void)snprintf(name, sizeof name, "%s.3", test_recording);
     assert_int_equal(bytes_of(name), 0);
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 /* Return the bytes of all files of a ring of three. */

@@ -66,15 +66,6 @@ static int break_mesh(struct test_grid *grid, struct pccd_mesh_info *info)
                              (const uint32_t(*)[3])pieces.triangles, TRIANGLES, info);
 }
 
-static void turn(struct test_grid *grid)
-{
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-
-    assert_ok(test_grid_turn(grid, NULL, &answer));
-    assert_true(test_grid_is_right(grid, &answer));
-    pccd_answer_release(grid->client, &answer);
-}
-
 /* A session in which the floor and the pieces are registered as they are from the start:
  * the same requests give the same handles in every session, so hashes can be compared. */
 static void open_fresh(struct test_grid *grid)
@@ -97,19 +88,6 @@ static void open_fresh(struct test_grid *grid)
     grid->object = test_object(client, grid->scene, grid->mesh);
 }
 
-static void open_grid(struct test_grid *grid)
-{
-    struct pccd_client *client = test_client_at(test_witness.daemon.url);
-
-    assert_ok(test_grid_make(client, SIDE, grid));
-}
-
-static void close_grid(struct test_grid *grid)
-{
-    pccd_close(grid->client);
-    test_grid_free(grid);
-}
-
 /* If it failed, a broken body would answer otherwise than one registered so, or breaking
  * it disturb somebody else. */
 CASE(replace__a_broken_body_answers_as_a_fresh_one)
@@ -120,11 +98,11 @@ CASE(replace__a_broken_body_answers_as_a_fresh_one)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_answer expected = PCCD_ANSWER_INIT;
 
-    open_grid(&grid);
+    test_grid_open(&grid, test_witness.daemon.url, SIDE);
     open_fresh(&fresh);
     assert_int_equal(fresh.object, grid.object);
     for (int i = 0; i < 3; i++) {
-        turn(&grid);
+        test_grid_pass(&grid);
         test_witness_turn();
     }
     assert_ok(break_mesh(&grid, &info));
@@ -141,13 +119,13 @@ CASE(replace__a_broken_body_answers_as_a_fresh_one)
     }
     /* Whole again, and broken again. */
     assert_ok(test_grid_replace(&grid));
-    turn(&grid);
+    test_grid_pass(&grid);
     assert_ok(break_mesh(&grid, &info));
     assert_int_equal(info.generation, 4);
     move_pieces(&grid, grid.object, -1, &answer);
     test_witness_turn();
-    close_grid(&fresh);
-    close_grid(&grid);
+    test_grid_close(&fresh);
+    test_grid_close(&grid);
 }
 
 /* If it failed, an object made of the mesh would be forgotten, or one that is not
@@ -166,7 +144,7 @@ CASE(replace__reaches_every_object_made_of_the_mesh)
     /* The floor and the triangle of the witness: others are gone then. */
     before = test_stat_await(test_witness.crossing.client, "triangles_now", 2);
     assert_int_equal(before, 2);
-    open_grid(&grid);
+    test_grid_open(&grid, test_witness.daemon.url, SIDE);
     assert_ok(test_grid_make(grid.client, SIDE, &other));
     gone = test_object(grid.client, grid.scene, grid.mesh);
     for (int i = 0; i < SCENES; i++) {
@@ -187,9 +165,9 @@ CASE(replace__reaches_every_object_made_of_the_mesh)
                                PCCD_FORMAT_F32, CORNERS, NULL, &answer));
         pccd_answer_release(grid.client, &answer);
     }
-    turn(&other);
+    test_grid_pass(&other);
     /* Every object goes, under the charge that it has now. */
-    close_grid(&grid);
+    test_grid_close(&grid);
     test_grid_free(&other);
     assert_int_equal(
         test_stat_await(test_witness.crossing.client, "triangles_now", before), before);
@@ -204,8 +182,8 @@ CASE(replace__bad_data_leaves_the_old_mesh)
     uint64_t triangles;
     uint64_t meshes;
 
-    open_grid(&grid);
-    turn(&grid);
+    test_grid_open(&grid, test_witness.daemon.url, SIDE);
+    test_grid_pass(&grid);
     triangles = test_stat(grid.client, "triangles_now");
     meshes = test_stat(grid.client, "meshes_now");
 #define REFUSED(code, vertex_count, triangle_count)                                      \
@@ -215,7 +193,7 @@ CASE(replace__bad_data_leaves_the_old_mesh)
                                        triangle_count, NULL),                            \
                      code);                                                              \
     assert_true(pccd_error_text(grid.client)[0] != '\0');                                \
-    turn(&grid)
+    test_grid_pass(&grid)
     break_grid(&grid, 1, &pieces);
     pieces.triangles[TRIANGLES - 1][2] = CORNERS;
     REFUSED(PCCD_E_INDEX, CORNERS, TRIANGLES);
@@ -228,7 +206,7 @@ CASE(replace__bad_data_leaves_the_old_mesh)
     assert_int_equal(test_stat_await(grid.client, "triangles_now", triangles), triangles);
     assert_int_equal(test_stat_await(grid.client, "meshes_now", meshes), meshes);
     test_witness_turn();
-    close_grid(&grid);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a replacement could take more than its user may have, or one that is too
@@ -255,13 +233,12 @@ CASE_DAEMON(replace__without_quota_changes_nothing, "--triangles-max", "1000")
                                            2 * TRIANGLES, NULL),
                          PCCD_E_QUOTA);
         assert_non_null(strstr(pccd_error_text(client), "quota"));
-        turn(&grid);
+        test_grid_pass(&grid);
         assert_int_equal(test_stat_await(client, "triangles_now", TRIANGLES + 1),
                          TRIANGLES + 1);
         assert_int_equal(test_stat_await(client, "meshes_now", 2), 2);
     }
-    pccd_close(client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a replacement that its objects have no memory for would leave some of
@@ -286,7 +263,7 @@ CASE_DAEMON(replace__without_memory_changes_nothing, "--memory-max-mib", "24")
             (void)test_object(client, scenes[i], grid.mesh);
         }
     }
-    turn(&grid);
+    test_grid_pass(&grid);
     triangles = test_grid_triangles(&large);
     assert_non_null(triangles);
     test_grid_positions(&large, 1);
@@ -299,7 +276,7 @@ CASE_DAEMON(replace__without_memory_changes_nothing, "--memory-max-mib", "24")
                                            NULL),
                          PCCD_E_QUOTA);
         assert_non_null(strstr(pccd_error_text(client), "engine's memory"));
-        turn(&grid);
+        test_grid_pass(&grid);
         assert_true(test_stat(client, "engine_bytes_now") <= 24u << 20);
         if (i > 0) {
             assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
@@ -340,8 +317,7 @@ CASE_DAEMON(replace__charges_the_mesh_once, "--triangles-max", "901")
     assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
     assert_ok(pccd_scene_destroy(client, scene));
     assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
-    pccd_close(client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
 }
 
 /* ---- order and states, by hand ----------------------------------------------------- */

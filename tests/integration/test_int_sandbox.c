@@ -237,8 +237,7 @@ CASE(sandbox__leaves_all_that_clients_use)
         pccd_answer_release(client, &answer);
         assert_ok(test_grid_replace(&grid));
     }
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 CASES_WITH(setup, teardown);

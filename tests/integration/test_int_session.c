@@ -309,8 +309,7 @@ CASE_DAEMON(session__sigterm_answers_what_is_in_flight, NULL)
     assert_int_not_equal(access(test_own.socket, F_OK), 0);
     assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
     assert_true(pccd_error_text(client)[0] != '\0');
-    pccd_close(client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
 }
 
 /* If it failed, daemons that nobody uses would stay for ever. */

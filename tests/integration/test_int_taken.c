@@ -129,8 +129,7 @@ CASE_DAEMON(region__takes_what_an_answer_needs, NULL)
 
     assert_true(told > before + (1u << 20));
     assert_int_equal(told, test_taken_bytes());
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
     client = connect_by_default(test_own.url);
     assert_int_equal(test_stat_await(client, "shm_bytes_now", 0), 0);
     pccd_close(client);
@@ -178,8 +177,7 @@ CASE_DAEMON(region__gives_memory_back_when_idle, NULL)
     assert_true(test_grid_is_right(&grid, &answer)); /* what is held stays */
     assert_true(test_stat(client, "shm_bytes_now") > idle + (1u << 20));
     pccd_answer_release(client, &answer);
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 /* The answer to a turn, page by page. Returns how many there were. */
@@ -286,8 +284,7 @@ CASE_DAEMON(slots__give_memory_back_when_idle, NULL)
     ask(&grid, &answer);
     assert_true(test_grid_is_right(&grid, &answer));
     pccd_answer_release(client, &answer);
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a client would be refused a frame for want of memory, although it has

@@ -510,8 +510,7 @@ CASE(pages__have_no_number_that_is_not_judged)
         pccd_answer_release(client, &answer);
     }
     assert_true(pages >= 2);
-    test_grid_free(&grid);
-    pccd_close(client);
+    test_grid_close(&grid);
     options = "--contacts 20";
     played = "pages";
     struct first *first = test_room(sizeof *first);

@@ -68,8 +68,7 @@ CASE(warm__frames_allocate_nothing)
 
     assert_ok(test_grid_make(open_client(), 20, &grid));
     assert_asks_for_nothing(wait_for_one, &grid);
-    pccd_close(grid.client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
 }
 
 /* Two in flight, of several segments of each kind, collected by polling. */
@@ -121,8 +120,7 @@ CASE(warm__polled_frames_allocate_nothing)
 
     assert_ok(test_grid_make(open_client(), 20, &grid));
     assert_asks_for_nothing(poll_for_two, &grid);
-    pccd_close(grid.client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
 }
 
 /* If it failed, a recorded game would not be the game. */
@@ -139,8 +137,7 @@ CASE(warm__recorded_frames_allocate_nothing)
     assert_ok(pccd_record_start(client, path, &settings));
     assert_ok(test_grid_make(client, 20, &grid));
     assert_asks_for_nothing(wait_for_one, &grid);
-    pccd_close(client);
-    test_grid_free(&grid);
+    test_grid_close(&grid);
     assert_int_equal(unlink(path), 0);
     assert_int_equal(rmdir(folder), 0);
 }

@@ -17,19 +17,6 @@
 
 static struct test_grid grid;
 
-static void open_grid(void)
-{
-    struct pccd_client *client = test_client_at(test_shared.url);
-
-    assert_ok(test_grid_make(client, SIDE, &grid));
-}
-
-static void close_grid(void)
-{
-    pccd_close(grid.client);
-    test_grid_free(&grid);
-}
-
 /* A turn of the grid by so many threads; *answer has no records any more. */
 static void turn(uint32_t threads, struct pccd_answer *answer)
 {
@@ -72,7 +59,7 @@ CASE(threads__records_add_up_to_the_answer)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t number = 0;
 
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     for (uint32_t threads = THREADS; threads >= 1; threads--) {
         struct sums sums = {.threads = 0};
 
@@ -95,7 +82,7 @@ CASE(threads__records_add_up_to_the_answer)
             pccd_stats_thread(grid.client, true, UINT32_MAX, add, &sums, NULL),
             PCCD_E_INVAL);
     }
-    close_grid();
+    test_grid_close(&grid);
 }
 
 /* If it failed, a client would be shown somebody else's step for its own, or a record of
@@ -107,7 +94,7 @@ CASE(threads__records_are_of_the_session_that_asks)
     struct sums own = {.threads = 0};
     struct sums others = {.threads = 0};
 
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     turn(2, &answer);
     assert_ok(pccd_stats_thread(stranger, false, 0, add, &own, NULL));
     assert_int_equal(own.threads, 0);
@@ -121,7 +108,7 @@ CASE(threads__records_are_of_the_session_that_asks)
     assert_int_equal(pccd_stats_thread(stranger, false, 0, NULL, &own, NULL),
                      PCCD_E_INVAL);
     /* It outlives the session that made it. */
-    close_grid();
+    test_grid_close(&grid);
     others.threads = 0;
     assert_ok(pccd_stats_thread(stranger, true, 1, add, &others, NULL));
     assert_int_equal(others.threads, 2);
@@ -243,7 +230,7 @@ CASE(trace__has_one_event_for_each_task_unit)
 {
     static const char *const tunings[] = {"scheduler=steal", "scheduler=paper"};
 
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     for (uint32_t threads = 1; threads <= THREADS; threads++) {
         for (int i = 0; i < 2; i++) {
             const struct pccd_step_settings settings = {
@@ -274,7 +261,7 @@ CASE(trace__has_one_event_for_each_task_unit)
             free(recording.events);
         }
     }
-    close_grid();
+    test_grid_close(&grid);
 }
 
 /* If it failed, nobody could tell how long a client waited for what. */
@@ -288,7 +275,7 @@ CASE(trace__has_every_request_of_every_client)
     uint32_t pings = 0;
 
     assert_ok(test_crossing_make(other, &crossing));
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     start_recording(&recording, 0);
     for (int i = 0; i < 5; i++) {
         turn(2, &answer);
@@ -318,7 +305,7 @@ CASE(trace__has_every_request_of_every_client)
     expect_nesting(&recording);
     free(recording.events);
     assert_null(pccd_method_name(UINT32_MAX));
-    close_grid();
+    test_grid_close(&grid);
     pccd_close(other);
 }
 
@@ -330,7 +317,7 @@ CASE(trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t newest = 0;
 
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     start_recording(&whole, 0);
     turn(1, &answer);
     end_recording(&whole);
@@ -354,7 +341,7 @@ CASE(trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost)
     }
     free(whole.events);
     free(cut.events);
-    close_grid();
+    test_grid_close(&grid);
 }
 
 /* If it failed, recordings would get into each other's way, or be read half-made. */
@@ -367,7 +354,7 @@ CASE(trace__is_one_at_a_time_and_of_its_session)
 
     /* What the sessions before had may still be on its way out. */
     assert_int_equal(test_stat_await(other, "engine_bytes_now", 0), 0);
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     assert_int_equal(pccd_trace_stop(grid.client, NULL), PCCD_E_STATE);
     assert_int_equal(pccd_trace_dump(grid.client, collect, &recording), PCCD_E_STATE);
     assert_int_equal(pccd_trace_start(grid.client, PROTO_TRACE_EVENTS_MAX + 1, 0, NULL),
@@ -391,7 +378,7 @@ CASE(trace__is_one_at_a_time_and_of_its_session)
     start_recording(&recording, 1000);
     turn(2, &answer);
     free(recording.events);
-    close_grid();
+    test_grid_close(&grid);
     for (int i = 0; i < 1000 && status == PCCD_E_BUSY; i++) {
         status = pccd_trace_start(other, 0, 0, NULL);
         test_sleep_ms(2);
@@ -470,7 +457,7 @@ CASE(watch__other_users_are_refused)
     if (geteuid() != 0) {
         test_skip(TEST_ONLY_ROOT);
     }
-    open_grid();
+    test_grid_open(&grid, test_shared.url, SIDE);
     turn(2, &answer);
     assert_int_equal(chmod(test_shared.directory, 0755), 0);
     assert_int_equal(chmod(test_shared.socket, 0666), 0);
@@ -484,7 +471,7 @@ CASE(watch__other_users_are_refused)
     assert_int_equal(WEXITSTATUS(status), 0);
     assert_int_equal(chmod(test_shared.directory, 0700), 0);
     assert_int_equal(chmod(test_shared.socket, 0600), 0);
-    close_grid();
+    test_grid_close(&grid);
 }
 
 CASES_WITH_DAEMON("--threads", "3");

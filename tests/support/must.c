@@ -2,6 +2,7 @@
 #include "must.h"
 
 #include "crossing.h"
+#include "grid.h"
 
 /* Fail the case unless the status is 0, with what the library says of the call. */
 static void expect_done(const struct pccd_client *client, int status)
@@ -68,4 +69,34 @@ void test_still(struct pccd_client *client, uint32_t scene,
 
     expect_done(client, pccd_submit_still(client, scene, settings, &step));
     expect_done(client, pccd_wait(client, step, -1, answer));
+}
+
+void test_grid_open(struct test_grid *grid, const char *url, uint32_t side)
+{
+    struct pccd_client *client = test_client_at(url);
+
+    expect_done(client, test_grid_make(client, side, grid));
+}
+
+void test_grid_close(struct test_grid *grid)
+{
+    pccd_close(grid->client);
+    test_grid_free(grid);
+}
+
+void test_grid_expect(struct test_grid *grid, uint64_t step)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    expect_done(grid->client, pccd_wait(grid->client, step, 600000, &answer));
+    assert_true(test_grid_is_right(grid, &answer));
+    pccd_answer_release(grid->client, &answer);
+}
+
+void test_grid_pass(struct test_grid *grid)
+{
+    uint64_t step = 0;
+
+    expect_done(grid->client, test_grid_submit(grid, NULL, &step));
+    test_grid_expect(grid, step);
 }

@@ -21,6 +21,14 @@ uint32_t test_mesh(struct pccd_client *client, const void *x, enum pccd_format f
                    uint32_t vertex_count, const void *triangles, uint32_t triangle_count);
 uint32_t test_object(struct pccd_client *client, uint32_t scene, uint32_t mesh);
 
+/* Connect, and make a grid in a session of its own; and end both. */
+struct test_grid;
+void test_grid_open(struct test_grid *grid, const char *url, uint32_t side);
+void test_grid_close(struct test_grid *grid);
+/* Wait for a turn of the grid, or take one: its answer is right. */
+void test_grid_expect(struct test_grid *grid, uint64_t step);
+void test_grid_pass(struct test_grid *grid);
+
 /* Step with nothing moved. */
 void test_still(struct pccd_client *client, uint32_t scene,
                 const struct pccd_step_settings *settings, struct pccd_answer *answer);
