@@ -166,11 +166,7 @@ static void keep(struct answer *answer, const struct eng_step_result *result)
     answer->hash[1] = result->hash[1];
     record_hash_1(result->records, result->count, result->record_bytes, answer->hash_one);
     answer->verdict = result->verdict;
-    answer->records = malloc(answer->bytes + 1);
-    assert_non_null(answer->records);
-    if (answer->bytes > 0) {
-        memcpy(answer->records, result->records, answer->bytes);
-    }
+    answer->records = test_copy(result->records, answer->bytes);
 }
 
 static void fixture_init(struct fixture *f, const struct golden *golden)

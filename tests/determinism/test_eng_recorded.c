@@ -1,6 +1,7 @@
 /* test_eng_recorded.c - recorded scenes have the same bytes whoever computes them. */
 #include "cases.h"
 #include "data.h"
+#include "eng_kit.h"
 #include "kernel.h"
 #include "ply.h"
 #include "record_hash.h"
@@ -49,19 +50,6 @@ struct known {
     uint64_t truths;
     uint64_t hash[2];
 };
-
-static struct eng_mesh *make_mesh(const struct ply *frame)
-{
-    struct eng_mesh *mesh = NULL;
-    uint32_t bad;
-    assert_ok(eng_mesh_new(frame->vertex_count, frame->triangle_count, &mesh));
-    assert_ok(
-        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, frame->vertex_count, frame->x));
-    assert_ok(
-        eng_mesh_write_triangles(mesh, 0, frame->triangle_count, frame->triangles, &bad));
-    assert_ok(eng_mesh_commit(mesh));
-    return mesh;
-}
 
 static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply *from,
                  const struct ply *to, const struct row *row,
@@ -124,7 +112,8 @@ static void check(const struct known *known)
     for (int i = 0; i < 2; i++) {
         assert_true(ply_read(paths[i], &frames[i]));
     }
-    struct eng_mesh *mesh = make_mesh(&frames[0]);
+    struct eng_mesh *mesh = kit_mesh(frames[0].x, frames[0].vertex_count,
+                                     frames[0].triangles, frames[0].triangle_count);
     for (size_t i = known->first_row; i < ROWS; i++) {
         check_row(known, frames, mesh, &rows[i]);
     }

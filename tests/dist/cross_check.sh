@@ -27,8 +27,8 @@ fi
 # If it failed, the name of a test would begin a line of the shell, and be no test of make's.
 name="check_emulated__runs_the_tests_of_the_engine"
 MAKEFLAGS='' make -C "$top_builddir" -n check-emulated EMULATOR=false TESTS="tests/unit/test_codec \
-    tests/unit/test_eng_range tests/unit/test_eng_radix tests/unit/test_eng_neon.sh" >"$log" 2>&1 &&
-    grep -q "='tests/unit/test_eng_range.log tests/unit/test_eng_radix.log';" "$log" &&
+    tests/unit/test_eng_range tests/unit/test_eng_parts tests/unit/test_eng_neon.sh" >"$log" 2>&1 &&
+    grep -q "='tests/unit/test_eng_range.log tests/unit/test_eng_parts.log';" "$log" &&
     ! grep -q '^tests/unit/' "$log"
 tap_result $? "$name" "$log"
 tap_end

@@ -509,3 +509,39 @@ const char *near_judge_player(const struct player *player,
                                          .context = player};
     return near_judge(&moment, settings, result, queries_max, sums);
 }
+
+void near_sums_tell(const struct near_sums *sums)
+{
+    const struct {
+        const char *name;
+        uint64_t count;
+    } all[] = {{"exact decisions", sums->queries},
+               {"answers", sums->judged},
+               {"pairs", sums->pairs},
+               {"vf", sums->types[PCCD_VF]},
+               {"ee", sums->types[PCCD_EE]},
+               {"ve", sums->types[PCCD_VE]},
+               {"vv", sums->types[PCCD_VV]},
+               {"touching", sums->touching},
+               {"exactly that far", sums->at_distance},
+               {"by their radii", sums->thick},
+               {"features", sums->features},
+               {"merged", sums->merged},
+               {"bounds", sums->bounds},
+               {"crossings", sums->crossings},
+               {"free", sums->free},
+               {"of parts", sums->parts},
+               {"nearest", sums->nearest},
+               {"ties", sums->ties},
+               {"touching objects", sums->touching_objects},
+               {"crossed", sums->crossed},
+               {"with a gap", sums->gaps},
+               {"farther", sums->others},
+               {"inside", sums->inside},
+               {"through", sums->through}};
+    print_message("# judged:");
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        print_message(" %llu %s%s", (unsigned long long)all[i].count, all[i].name,
+                      i + 1 < sizeof all / sizeof all[0] ? "," : "\n");
+    }
+}

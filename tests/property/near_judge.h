@@ -33,6 +33,9 @@ struct near_sums {
     uint64_t through;          /* edges through their faces */
 };
 
+/* Print them, as a comment. */
+void near_sums_tell(const struct near_sums *sums);
+
 /* The objects of a player as the oracle takes them, by increasing id, with both ends of
  * the last motion. Valid until the player changes. */
 struct near_objects {

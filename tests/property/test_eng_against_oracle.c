@@ -175,8 +175,7 @@ static struct oracle_pair map_pair(const struct split *split,
 static struct oracle_pair *map_records(const struct split *split,
                                        const struct eng_step_result *result)
 {
-    struct oracle_pair *pairs = calloc(result->count + 1, sizeof *pairs);
-    assert_non_null(pairs);
+    struct oracle_pair *pairs = test_room((result->count + 1) * sizeof *pairs);
     for (uint64_t i = 0; i < result->count; i++) {
         struct oracle_pair pair;
         const char *record = (const char *)result->records + i * result->record_bytes;
@@ -324,8 +323,7 @@ CASE(engine__answers_exactly_for_objects_far_apart)
 
 static void *to_floats(const double (*x)[3], uint32_t count)
 {
-    float(*floats)[3] = malloc((size_t)count * sizeof *floats);
-    assert_non_null(floats);
+    float(*floats)[3] = test_room((size_t)count * sizeof *floats);
     for (uint32_t i = 0; i < count * 3; i++) {
         floats[i / 3][i % 3] = (float)x[i / 3][i % 3];
     }

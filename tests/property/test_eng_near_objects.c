@@ -5,10 +5,11 @@
  * Small objects at random, some with free edges and points, with coordinates of all bits,
  * on a coarse grid (where almost everything is equally near, touches, or is met by a ray
  * at an edge), far away or tiny, some with radii or left thin for their rest, not all of
- * which may meet; moved, asked again for either end, by both methods, every instruction
- * set and several threads. Every record must be the one that the oracle finds, with its
- * numbers; with a gap, one of the same two objects. Two objects have a nearest pair
- * exactly if there is any pair of theirs.
+ * which may meet; beside each other, or farther apart than floats can tell beside their
+ * size; moved, asked again for either end, by both methods, every instruction set and
+ * several threads. Every record must be the one that the oracle finds, with its numbers;
+ * with a gap, one of the same two objects. Two objects have a nearest pair exactly if
+ * there is any pair of theirs. A scene that was asked nothing takes the same steps.
  */
 #include "eng_kit.h"
 #include "eng_way.h"
@@ -28,6 +29,7 @@ static uint64_t outside; /* vertices in no other object */
 static uint64_t of_free; /* nearest pairs of free edges and points .. */
 static uint64_t of_rods; /* .. and records of depth of objects that have such */
 static uint64_t named;   /* two objects that were named and may not meet */
+static uint64_t steps;   /* that had records */
 
 struct shape {
     struct eng_mesh *mesh;
@@ -39,15 +41,19 @@ struct shape {
     uint32_t named_points[4];
     double registered[POINTS_MAX][3];
     double x[2][POINTS_MAX][3]; /* at both ends */
+    double away[3];             /* from where the others are */
     double radii[POINTS_MAX];   /* as the mesh has them, or the object */
     struct eng_object_thickness thickness;
+    struct eng_object_filter filter;
 };
 
 struct scene {
     uint64_t seed;
     struct prng prng;
     struct shape shapes[OBJECTS_MAX];
-    bool is_apart[OBJECTS_MAX][OBJECTS_MAX]; /* they may not meet */
+    bool is_apart[OBJECTS_MAX][OBJECTS_MAX];   /* they may not meet */
+    bool is_ignored[OBJECTS_MAX][OBJECTS_MAX]; /* by name */
+    bool is_sparse;                            /* objects are far from each other */
     uint32_t end;
     double grid; /* 0: none */
     double place;
@@ -83,9 +89,20 @@ static void place(struct scene *scene, uint32_t end, double spread)
         }
         for (uint32_t v = 0; v < scene->shapes[i].points; v++) {
             for (int k = 0; k < 3; k++) {
-                scene->shapes[i].x[end][v][k] = coordinate(scene, middle[k]);
+                scene->shapes[i].x[end][v][k] =
+                    coordinate(scene, middle[k]) + scene->shapes[i].away[k];
             }
         }
+    }
+}
+
+/* Beside others, or farther from them than floats can tell apart beside its size. */
+static void go_away(struct scene *scene, struct shape *shape)
+{
+    for (int k = 0; k < 3; k++) {
+        double far_away = floor(exp2(draw(scene, 31))) * (draw(scene, 2) ? 1 : -1);
+        double beside = 1 + draw(scene, 3);
+        shape->away[k] = draw(scene, 3) == 0 ? far_away : draw(scene, 2) ? beside : 0;
     }
 }
 
@@ -120,11 +137,13 @@ static void separate(struct scene *scene)
         for (uint32_t b = 0; b < a; b++) {
             bool is_ignored = draw(scene, 5) == 0;
             assert_ok(eng_scene_ignore(kit.scene, kit.idx[a], kit.idx[b], is_ignored));
+            scene->is_ignored[a][b] = is_ignored;
             scene->is_apart[a][b] = scene->is_apart[b][a] =
                 is_ignored || a == only || b == only;
         }
     }
     if (only < kit.count) {
+        scene->shapes[only].filter = alone;
         assert_ok(eng_scene_set_filter(kit.scene, kit.idx[only], &alone));
     }
 }
@@ -145,30 +164,6 @@ static void add_free(struct scene *scene, struct shape *shape)
     if (draw(scene, 3) == 0 && shape->edge_count + shape->point_count > 0) {
         shape->face_count = 0;
     }
-}
-
-static struct eng_mesh *mesh_of(const struct shape *shape, bool has_radii)
-{
-    const struct eng_mesh_counts counts = {shape->points, shape->face_count,
-                                           shape->edge_count, shape->point_count};
-    struct eng_mesh *mesh = NULL;
-    uint32_t bad = 0;
-    assert_ok(eng_mesh_make(&counts, &mesh));
-    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts.vertices,
-                                      shape->registered));
-    assert_true(counts.triangles == 0 ||
-                eng_mesh_write_triangles(mesh, 0, counts.triangles, shape->faces, &bad) ==
-                    PCCD_OK);
-    assert_true(counts.edges == 0 || eng_mesh_write_edges(mesh, 0, counts.edges,
-                                                          shape->edges, &bad) == PCCD_OK);
-    assert_true(counts.points == 0 ||
-                eng_mesh_write_points(mesh, 0, counts.points, shape->named_points,
-                                      &bad) == PCCD_OK);
-    if (has_radii) {
-        assert_ok(eng_mesh_write_radii(mesh, 0, counts.vertices, shape->radii));
-    }
-    assert_ok(eng_mesh_commit(mesh));
-    return mesh;
 }
 
 /* Triangles between points at random, or a closed surface: an octahedron with its points
@@ -202,21 +197,64 @@ static void make(struct scene *scene, struct shape *shape, bool is_closed)
     for (uint32_t v = 0; has_radii && v < shape->points; v++) {
         shape->radii[v] = some_radius(scene);
     }
-    shape->mesh = mesh_of(shape, has_radii);
+    shape->mesh =
+        kit_mesh_of(&(struct kit_shape){.counts = {shape->points, shape->face_count,
+                                                   shape->edge_count, shape->point_count},
+                                        .x = shape->registered,
+                                        .triangles = shape->faces,
+                                        .edges = shape->edges,
+                                        .points = shape->named_points,
+                                        .radii = has_radii ? shape->radii : NULL});
     kit_put(shape->mesh);
+    shape->filter = (struct eng_object_filter)ENG_OBJECT_FILTER_DEFAULT;
+    if (scene->is_sparse) {
+        go_away(scene, shape);
+    }
     if (draw(scene, 3) == 0) {
         set_thickness(scene, shape);
     }
 }
 
-static void move(struct scene *scene)
+static void move(struct scene *scene, struct eng_scene *at, const uint32_t *idx)
 {
-    eng_stage_begin(kit.scene);
+    eng_stage_begin(at);
     for (uint32_t i = 0; i < kit.count; i++) {
         const struct shape *shape = &scene->shapes[i];
-        assert_ok(eng_stage_x0x1(kit.scene, kit.idx[i], PCCD_FORMAT_F64, 0, shape->points,
+        assert_ok(eng_stage_x0x1(at, idx[i], PCCD_FORMAT_F64, 0, shape->points,
                                  shape->x[0], shape->x[1]));
     }
+}
+
+/* A step of the scene, and of one that is made anew and was asked nothing. */
+static void check_step(struct scene *scene)
+{
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct eng_step_result results[2];
+    struct eng_scene *fresh = kit_scene();
+    uint32_t idx[OBJECTS_MAX];
+    settings.mode = (enum pccd_mode)draw(scene, PCCD_MODE_COUNT);
+    for (uint32_t a = 0; a < kit.count; a++) {
+        const struct shape *shape = &scene->shapes[a];
+        assert_ok(eng_scene_add(fresh, shape->mesh, a + 1, &idx[a]));
+        assert_ok(eng_scene_set_filter(fresh, idx[a], &shape->filter));
+        assert_ok(eng_scene_set_thickness(fresh, idx[a], &shape->thickness));
+        for (uint32_t b = 0; b < a; b++) {
+            assert_ok(eng_scene_ignore(fresh, idx[a], idx[b], scene->is_ignored[a][b]));
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        struct eng_scene *at = i == 0 ? kit.scene : fresh;
+        way_draw(&scene->prng, THREADS_MAX, &settings);
+        move(scene, at, i == 0 ? kit.idx : idx);
+        results[i] = kit_step(at, &settings);
+    }
+    must(scene, results[0].count == results[1].count, "a step's records, counted");
+    must(scene,
+         memcmp(results[0].hash, results[1].hash, sizeof results[0].hash) == 0 &&
+             results[0].verdict == results[1].verdict,
+         "a step's hash or verdict");
+    steps += results[0].count > 0;
+    eng_scene_free(fresh);
 }
 
 /* ---- the truth ------------------------------------------------------------------ */
@@ -347,12 +385,33 @@ static void check_nearest(struct scene *scene)
     }
 }
 
+/* Return how far two vertices are apart along an axis, or by their places: often a
+ * distance that is met exactly. */
+static double distance_between(struct scene *scene)
+{
+    const double *x[2];
+    double d[3];
+    uint32_t k = draw(scene, 4);
+    for (int side = 0; side < 2; side++) {
+        const struct shape *shape = &scene->shapes[draw(scene, kit.count)];
+        x[side] = shape->x[scene->end][draw(scene, shape->points)];
+    }
+    for (int i = 0; i < 3; i++) {
+        d[i] = fabs(x[0][i] - x[1][i]);
+    }
+    return fmin(k < 3 ? d[k] : hypot(hypot(d[0], d[1]), d[2]), 1e18);
+}
+
 static void check_pairs(struct scene *scene)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
-                                                PCCD_NEAR_VERTICES};
-    struct eng_question settings = kit_question(whats[draw(scene, 3)]);
-    settings.distance = scene->scale * (double)draw(scene, 6) * 0.125;
+                                                PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
+    struct eng_question settings = kit_question(whats[draw(scene, 4)]);
+    settings.distance = draw(scene, 3) > 0 ? scene->scale * (double)draw(scene, 6) * 0.125
+                                           : distance_between(scene);
+    if (settings.verb == PCCD_NEAR_VERTICES && draw(scene, 2) > 0) {
+        settings.objects[0] = 1 + draw(scene, kit.count);
+    }
     check(scene, settings);
 }
 
@@ -373,15 +432,16 @@ static void check_depth(struct scene *scene)
 
 static void live(uint64_t seed)
 {
-    static const double places[][2] = {{0, 1},        {0, 1},         {1e6, 1},
-                                       {-3, 0x1p-40}, {1e12, 0x1p12}, {0, 1e-200},
-                                       {1e17, 0x1p20}};
+    static const double places[][2] = {{0, 1},         {0, 1},         {1e6, 1},
+                                       {-3, 0x1p-40},  {1e12, 0x1p12}, {0, 1e-200},
+                                       {1e17, 0x1p20}, {0, 0x1p36}};
     struct scene scene = {.seed = seed, .prng = {seed}};
     uint32_t at = draw(&scene, sizeof places / sizeof places[0]);
     bool is_closed = draw(&scene, 2) == 0;
     scene.place = places[at][0];
     scene.scale = places[at][1];
     scene.grid = draw(&scene, 2) == 0 ? 0.25 : 0;
+    scene.is_sparse = scene.scale == 1 && draw(&scene, 3) == 0;
     kit_begin();
     uint32_t count = 2 + draw(&scene, OBJECTS_MAX - 1);
     for (uint32_t i = 0; i < count; i++) {
@@ -395,7 +455,11 @@ static void live(uint64_t seed)
             double spread = draw(&scene, 3) == 0 ? 0.5 : draw(&scene, 4) == 0 ? 1e6 : 0;
             place(&scene, 0, spread);
             place(&scene, 1, spread);
-            move(&scene);
+            if (draw(&scene, 3) == 0) {
+                check_step(&scene);
+            } else { /* the question moves the scene */
+                move(&scene, kit.scene, kit.idx);
+            }
         }
         scene.end = draw(&scene, 2);
         uint32_t question = draw(&scene, 4);
@@ -415,25 +479,19 @@ static void live(uint64_t seed)
 CASE(objects__are_as_near_and_as_deep_as_the_oracle_says)
 {
     sequences_live(live, SCENES, NULL);
-    print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
-                  "touching, %llu of them edges through faces; %llu with a gap, %llu "
-                  "farther; %llu named in vain; %llu inside, %llu not, %llu crossings; "
-                  "%llu pairs, %llu bounds; %llu by their radii; %llu of free edges and "
-                  "points, %llu deep\n",
-                  (unsigned long long)scenes, (unsigned long long)judged.judged,
-                  (unsigned long long)judged.nearest, (unsigned long long)judged.ties,
-                  (unsigned long long)judged.touching_objects,
-                  (unsigned long long)judged.crossed, (unsigned long long)judged.gaps,
-                  (unsigned long long)judged.others, (unsigned long long)named,
-                  (unsigned long long)judged.inside, (unsigned long long)outside,
-                  (unsigned long long)judged.through, (unsigned long long)judged.pairs,
-                  (unsigned long long)judged.bounds, (unsigned long long)judged.thick,
+    print_message("# %llu scenes, %llu steps with records, %llu named in vain, %llu not "
+                  "inside, %llu of free edges and points, %llu deep\n",
+                  (unsigned long long)scenes, (unsigned long long)steps,
+                  (unsigned long long)named, (unsigned long long)outside,
                   (unsigned long long)of_free, (unsigned long long)of_rods);
+    near_sums_tell(&judged);
     if (!getenv("PCCD_SEED") && scenes >= SCENES) {
         assert_true(judged.nearest > 0 && judged.ties > 0 &&
                     judged.touching_objects > 0 && judged.inside > 0 && outside > 0 &&
                     judged.through > 0 && judged.thick > 0 && judged.crossed > 0 &&
                     judged.gaps > 0 && judged.others > 0 && named > 0 &&
                     judged.pairs > 0 && judged.bounds > 0 && of_free > 0 && of_rods > 0);
+        assert_true(judged.merged > 0 && judged.crossings > 0 && judged.free > 0 &&
+                    judged.at_distance > 0 && steps > 0);
     }
 }

@@ -87,16 +87,6 @@ static uint32_t draw(struct sequence *sequence, uint32_t bound)
 
 /* ---- steps ------------------------------------------------------------------------- */
 
-static void *copy_of(const void *block, size_t bytes)
-{
-    void *copy = malloc(bytes + 1);
-    assert_non_null(copy);
-    if (bytes > 0) {
-        memcpy(copy, block, bytes);
-    }
-    return copy;
-}
-
 static void forget_last(struct sequence *sequence)
 {
     free(sequence->records);
@@ -114,9 +104,9 @@ static void keep_last(struct sequence *sequence, const struct eng_step_result *r
 {
     forget_last(sequence);
     sequence->last = *result;
-    sequence->records = copy_of(result->records, record_bytes_of(result));
-    sequence->threads =
-        copy_of(result->thread_records, result->threads * sizeof *result->thread_records);
+    sequence->records = test_copy(result->records, record_bytes_of(result));
+    sequence->threads = test_copy(result->thread_records,
+                                  result->threads * sizeof *result->thread_records);
 }
 
 static void check_last(const struct sequence *sequence)
@@ -574,23 +564,7 @@ CASE(near__is_answered_as_by_a_fresh_scene)
                   (unsigned long long)sums.cut, (unsigned long long)sums.limited,
                   (unsigned long long)sums.named, (unsigned long long)sums.records,
                   (unsigned long long)sums.large);
-    print_message(
-        "# judged by %llu exact decisions: %llu answers, %llu pairs (vf %llu "
-        "ee %llu ve %llu vv %llu; %llu touch, %llu exactly that far, %llu by their "
-        "radii), %llu "
-        "features, %llu bounds, %llu crossings, %llu free, %llu of parts, %llu nearest, "
-        "%llu with a gap, %llu farther, %llu inside, %llu through\n",
-        (unsigned long long)judged.queries, (unsigned long long)judged.judged,
-        (unsigned long long)judged.pairs, (unsigned long long)judged.types[PCCD_VF],
-        (unsigned long long)judged.types[PCCD_EE],
-        (unsigned long long)judged.types[PCCD_VE],
-        (unsigned long long)judged.types[PCCD_VV], (unsigned long long)judged.touching,
-        (unsigned long long)judged.at_distance, (unsigned long long)judged.thick,
-        (unsigned long long)judged.features, (unsigned long long)judged.bounds,
-        (unsigned long long)judged.crossings, (unsigned long long)judged.free,
-        (unsigned long long)judged.parts, (unsigned long long)judged.nearest,
-        (unsigned long long)judged.gaps, (unsigned long long)judged.others,
-        (unsigned long long)judged.inside, (unsigned long long)judged.through);
+    near_sums_tell(&judged);
     if (!getenv("PCCD_SEED") && sums.sequences >= SEQUENCES) {
         assert_true(sums.moving > 0 && sums.cut > sums.limited && sums.limited > 0);
         assert_true(sums.large > 4096 && judged.features > 0 && judged.bounds > 0);

@@ -88,8 +88,7 @@ static struct thick_step view(struct thick_play *play,
 static struct eng_question way(const struct thick_play *play, uint32_t i,
                                enum pccd_mode mode)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_DEFAULT);
     settings.tolerance = TOLERANCE;
     settings.distance = play->separation;
     settings.approach = play->approach;
@@ -117,11 +116,7 @@ static void step(struct thick_play *play, enum pccd_mode mode)
                 fail_msg("%s", wrong);
             }
             first = result;
-            records = malloc(result.count * result.record_bytes + 1);
-            assert_non_null(records);
-            if (result.count > 0) { /* else there may be no address */
-                memcpy(records, result.records, result.count * result.record_bytes);
-            }
+            records = test_copy(result.records, result.count * result.record_bytes);
         }
         assert_int_equal(result.count, first.count);
         assert_memory_equal(result.hash, first.hash, sizeof first.hash);
@@ -241,27 +236,13 @@ static struct eng_mesh *make_mesh(const struct body *body)
     const struct shape *shape = &body->shape;
     const struct eng_mesh_counts counts = {VERTICES, shape->triangle_count,
                                            shape->edge_count, shape->point_count};
-    struct eng_mesh *mesh;
-    uint32_t bad;
-    assert_ok(eng_mesh_make(&counts, &mesh));
-    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, VERTICES, body->x[1]));
-    if (counts.triangles > 0) {
-        assert_ok(
-            eng_mesh_write_triangles(mesh, 0, counts.triangles, shape->triangles, &bad));
-    }
-    if (counts.edges > 0) {
-        assert_ok(eng_mesh_write_edges(mesh, 0, counts.edges, shape->edges, &bad));
-    }
-    if (counts.points > 0) {
-        assert_ok(eng_mesh_write_points(mesh, 0, counts.points, shape->points, &bad));
-    }
+    bool is_thick = false;
     for (uint32_t v = 0; v < VERTICES; v++) {
-        if (body->radii[v] > 0) {
-            assert_ok(eng_mesh_write_radii(mesh, v, 1, &body->radii[v]));
-        }
+        is_thick = is_thick || body->radii[v] > 0;
     }
-    assert_ok(eng_mesh_commit(mesh));
-    return mesh;
+    return kit_mesh_of(&(struct kit_shape){counts, body->x[1], shape->triangles,
+                                           shape->edges, shape->points,
+                                           is_thick ? body->radii : NULL});
 }
 
 /* Begin a play with objects of the first `kinds` of the shapes. */

@@ -156,8 +156,6 @@ static struct eng_mesh *mesh_of(struct body *body)
                                      .triangles = body->face_count};
     uint32_t edges[LEAVES_MAX][2];
     uint32_t points[LEAVES_MAX];
-    uint32_t bad;
-    struct eng_mesh *mesh;
     for (uint32_t i = body->face_count; i < body->leaf_count; i++) {
         const uint32_t *leaf = body->leaves[i];
         if (leaf[0] != leaf[1]) {
@@ -167,20 +165,8 @@ static struct eng_mesh *mesh_of(struct body *body)
             points[counts.points++] = leaf[0];
         }
     }
-    assert_ok(eng_mesh_make(&counts, &mesh));
-    assert_ok(
-        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts.vertices, body->x[0]));
-    if (counts.triangles > 0) {
-        assert_ok(
-            eng_mesh_write_triangles(mesh, 0, counts.triangles, body->leaves, &bad));
-    }
-    if (counts.edges > 0) {
-        assert_ok(eng_mesh_write_edges(mesh, 0, counts.edges, edges, &bad));
-    }
-    if (counts.points > 0) {
-        assert_ok(eng_mesh_write_points(mesh, 0, counts.points, points, &bad));
-    }
-    assert_ok(eng_mesh_commit(mesh));
+    struct eng_mesh *mesh = kit_mesh_of(
+        &(struct kit_shape){counts, body->x[0], body->leaves, edges, points, NULL});
     struct eng_mesh_info info;
     eng_mesh_get_info(mesh, &info);
     body->edge_count = info.edge_count;

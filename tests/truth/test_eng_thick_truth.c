@@ -161,8 +161,7 @@ static double median_edge(const struct oracle_object *object)
 {
     uint32_t count;
     uint32_t(*edges)[2] = oracle_edges(object, &count);
-    double *lengths = malloc(count * sizeof *lengths);
-    assert_non_null(lengths);
+    double *lengths = test_room(count * sizeof *lengths);
     for (uint32_t i = 0; i < count; i++) {
         const double *a = object->x0[edges[i][0]];
         const double *b = object->x0[edges[i][1]];
@@ -181,8 +180,7 @@ static struct oracle_object thinned(const struct oracle_object *object, uint32_t
 {
     struct oracle_object some = *object;
     some.triangle_count = object->triangle_count / each;
-    uint32_t(*triangles)[3] = malloc((some.triangle_count + 1) * sizeof *triangles);
-    assert_non_null(triangles);
+    uint32_t(*triangles)[3] = test_room((some.triangle_count + 1) * sizeof *triangles);
     for (uint32_t i = 0; i < some.triangle_count; i++) {
         memcpy(triangles[i], object->triangles[i * each], sizeof triangles[i]);
     }

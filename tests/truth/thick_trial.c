@@ -138,8 +138,7 @@ static void spans_init(const struct oracle_object *object, uint32_t points,
     struct oracle_features features = {0};
     oracle_features_list(object, 1, points, &features);
     spans->count = features.count;
-    spans->items = malloc((features.count + 1) * sizeof *spans->items);
-    assert_non_null(spans->items);
+    spans->items = test_room((features.count + 1) * sizeof *spans->items);
     for (size_t i = 0; i < features.count; i++) {
         spans->items[i] = span_of(object, &features.items[i]);
     }

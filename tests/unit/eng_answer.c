@@ -13,11 +13,7 @@ void answer_keep(const struct eng_step_result *result, struct answer *answer)
 {
     size_t bytes = result->count * result->record_bytes;
     answer->result = *result;
-    answer->records = malloc(bytes + 1);
-    assert_non_null(answer->records);
-    if (bytes > 0) {
-        memcpy(answer->records, result->records, bytes);
-    }
+    answer->records = test_copy(result->records, bytes);
     answer->result.records = answer->records;
 }
 

@@ -22,8 +22,8 @@ void blast_init(struct blast *blast, const struct eng_scene_settings *settings)
         }
         triangles[v / 3][v % 3] = v;
     }
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])blast->rest, BLAST_VERTICES,
-                                     (const uint32_t(*)[3])triangles, BLAST_TRIANGLES);
+    struct eng_mesh *mesh =
+        kit_mesh(blast->rest, BLAST_VERTICES, triangles, BLAST_TRIANGLES);
     assert_ok(eng_scene_new(settings, &blast->scene));
     blast->idx = kit_add(blast->scene, mesh, 1);
 }

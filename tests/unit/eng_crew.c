@@ -24,9 +24,8 @@ static const struct {
 
 int crew_setup(void **state)
 {
-    struct crew *crew = malloc(sizeof *crew);
+    struct crew *crew = test_room(sizeof *crew);
     struct prng random = {97};
-    assert_non_null(crew);
     crew->scene = kit_scene();
     struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
     crew->sheet = kit_add(crew->scene, mesh, 2);
@@ -65,8 +64,7 @@ struct eng_step_result crew_run(struct crew *crew, struct eng_question settings)
 
 struct eng_question crew_alone(enum pccd_mode mode)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_DEFAULT);
     settings.method = PCCD_METHOD_PAPER;    /* whose schedulers are compared */
     settings.tuning.still = ENG_STILL_ANEW; /* steps of a scene at rest are whole */
     return settings;

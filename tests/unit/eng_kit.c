@@ -4,23 +4,42 @@
 #include "eng_way.h"
 #include "topology.h"
 
-struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
-                          const uint32_t (*triangles)[3], uint32_t triangle_count)
+struct eng_mesh *kit_mesh(const void *x, uint32_t vertex_count, const void *triangles,
+                          uint32_t triangle_count)
 {
     return kit_mesh_thick(x, vertex_count, triangles, triangle_count, NULL);
 }
 
-struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
-                                const uint32_t (*triangles)[3], uint32_t triangle_count,
+struct eng_mesh *kit_mesh_thick(const void *x, uint32_t vertex_count,
+                                const void *triangles, uint32_t triangle_count,
                                 const double *radii)
 {
+    return kit_mesh_of(&(struct kit_shape){.counts = {vertex_count, triangle_count, 0, 0},
+                                           .x = x,
+                                           .triangles = triangles,
+                                           .radii = radii});
+}
+
+struct eng_mesh *kit_mesh_of(const struct kit_shape *shape)
+{
+    const struct eng_mesh_counts *counts = &shape->counts;
     struct eng_mesh *mesh = NULL;
     uint32_t bad = 0;
-    assert_ok(eng_mesh_new(vertex_count, triangle_count, &mesh));
-    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, vertex_count, x));
-    assert_ok(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad));
-    if (radii) {
-        assert_ok(eng_mesh_write_radii(mesh, 0, vertex_count, radii));
+    assert_ok(eng_mesh_make(counts, &mesh));
+    assert_ok(
+        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts->vertices, shape->x));
+    if (counts->triangles > 0) {
+        assert_ok(
+            eng_mesh_write_triangles(mesh, 0, counts->triangles, shape->triangles, &bad));
+    }
+    if (counts->edges > 0) {
+        assert_ok(eng_mesh_write_edges(mesh, 0, counts->edges, shape->edges, &bad));
+    }
+    if (counts->points > 0) {
+        assert_ok(eng_mesh_write_points(mesh, 0, counts->points, shape->points, &bad));
+    }
+    if (shape->radii) {
+        assert_ok(eng_mesh_write_radii(mesh, 0, counts->vertices, shape->radii));
     }
     assert_ok(eng_mesh_commit(mesh));
     assert_true(eng_feature_validate(mesh));
@@ -30,10 +49,8 @@ struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
 struct eng_mesh *kit_sheet(uint32_t side, double z)
 {
     uint32_t row = side + 1;
-    double(*x)[3] = malloc(row * row * sizeof *x);
-    uint32_t(*triangles)[3] = malloc((size_t)2 * side * side * sizeof *triangles);
-    assert_non_null(x);
-    assert_non_null(triangles);
+    double(*x)[3] = test_room(row * row * sizeof *x);
+    uint32_t(*triangles)[3] = test_room((size_t)2 * side * side * sizeof *triangles);
     for (uint32_t i = 0; i < row * row; i++) {
         x[i][0] = (double)(i % row) / side;
         x[i][1] = (double)(i / row) / side;
@@ -45,8 +62,7 @@ struct eng_mesh *kit_sheet(uint32_t side, double z)
                                  {corner + 1, corner + row + 1, corner + row}};
         memcpy(triangles[(size_t)2 * i], square, sizeof square);
     }
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, row * row,
-                                     (const uint32_t(*)[3])triangles, 2 * side * side);
+    struct eng_mesh *mesh = kit_mesh(x, row * row, triangles, 2 * side * side);
     free(x);
     free(triangles);
     return mesh;
@@ -69,16 +85,14 @@ struct eng_mesh *kit_box(const double low[3], const double high[3], bool inward)
         triangles[i][1] = inward ? side[2 + i % 2] : side[1 + i % 2];
         triangles[i][2] = inward ? side[1 + i % 2] : side[2 + i % 2];
     }
-    return kit_mesh((const double(*)[3])x, 8, (const uint32_t(*)[3])triangles, 12);
+    return kit_mesh(x, 8, triangles, 12);
 }
 
 struct eng_mesh *kit_soup(struct prng *random, uint32_t count)
 {
-    double(*x)[3] = malloc((size_t)3 * count * sizeof *x);
-    uint32_t(*triangles)[3] = malloc(count * sizeof *triangles);
+    double(*x)[3] = test_room((size_t)3 * count * sizeof *x);
+    uint32_t(*triangles)[3] = test_room(count * sizeof *triangles);
     double size = 1 / cbrt((double)count);
-    assert_non_null(x);
-    assert_non_null(triangles);
     for (uint32_t t = 0; t < count; t++) {
         double middle[3];
         for (int k = 0; k < 3; k++) {
@@ -91,8 +105,7 @@ struct eng_mesh *kit_soup(struct prng *random, uint32_t count)
             triangles[t][i - 3 * t] = i;
         }
     }
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, 3 * count,
-                                     (const uint32_t(*)[3])triangles, count);
+    struct eng_mesh *mesh = kit_mesh(x, 3 * count, triangles, count);
     free(x);
     free(triangles);
     return mesh;
@@ -111,6 +124,14 @@ uint32_t kit_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
     assert_ok(eng_scene_add(scene, mesh, id, &idx));
     eng_mesh_release(mesh);
     return idx;
+}
+
+struct eng_question kit_contacts(enum pccd_mode mode, enum pccd_method method)
+{
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    question.mode = mode;
+    question.method = method;
+    return question;
 }
 
 struct eng_step_result kit_step(struct eng_scene *scene,
@@ -175,11 +196,7 @@ struct eng_step_result kit_ask(const struct eng_question *settings)
         assert_int_equal(result.incomplete, PCCD_COMPLETE);
         if (i == 0) {
             count = result.count;
-            kept = malloc((size_t)count * result.record_bytes + 1);
-            assert_non_null(kept);
-            if (count > 0) { /* else there may be no records to point to */
-                memcpy(kept, result.records, (size_t)count * result.record_bytes);
-            }
+            kept = test_copy(result.records, (size_t)count * result.record_bytes);
         }
         assert_int_equal(result.count, count);
         if (settings->gap == 0 && count > 0) {

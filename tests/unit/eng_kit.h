@@ -11,12 +11,22 @@
 #include "query.h"
 #include "step.h"
 
-/* A committed mesh; fails the test if it cannot be made. The caller releases it. */
-struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
-                          const uint32_t (*triangles)[3], uint32_t triangle_count);
+/* All that a mesh may have: x and radii of vertices, triangles, edges and points by their
+ * vertices; what it has none of may be NULL. */
+struct kit_shape {
+    struct eng_mesh_counts counts;
+    const void *x, *triangles, *edges, *points;
+    const double *radii;
+};
+struct eng_mesh *kit_mesh_of(const struct kit_shape *shape);
+
+/* A committed mesh of x, double[][3], and triangles, uint32_t[][3]; fails the test if it
+ * cannot be made. The caller releases it. */
+struct eng_mesh *kit_mesh(const void *x, uint32_t vertex_count, const void *triangles,
+                          uint32_t triangle_count);
 /* The same with radii of its vertices; NULL: none. */
-struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
-                                const uint32_t (*triangles)[3], uint32_t triangle_count,
+struct eng_mesh *kit_mesh_thick(const void *x, uint32_t vertex_count,
+                                const void *triangles, uint32_t triangle_count,
                                 const double *radii);
 
 /* `side` x `side` squares of two triangles over 0 .. 1 in x and y, at height z. */
@@ -34,6 +44,9 @@ struct eng_scene *kit_scene(void);
 
 /* Put a mesh into a scene, which alone holds it then. Returns its index. */
 uint32_t kit_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id);
+
+/* All contacts of a step, in a mode, by a method. */
+struct eng_question kit_contacts(enum pccd_mode mode, enum pccd_method method);
 
 /* Answers to a step of what is staged, and to a question; both succeed. */
 struct eng_step_result kit_step(struct eng_scene *scene,

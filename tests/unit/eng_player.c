@@ -3,16 +3,6 @@
 
 #include "play_actor.h"
 
-static void *copy_of(const void *block, size_t count, size_t bytes)
-{
-    void *copy = malloc(count * bytes + 1);
-    assert_non_null(copy);
-    if (count > 0) {
-        memcpy(copy, block, count * bytes);
-    }
-    return copy;
-}
-
 void player_init(struct player *player, const struct eng_scene_settings *settings)
 {
     memset(player, 0, sizeof *player);
@@ -78,18 +68,17 @@ static void object_init(struct player_object *object, const struct play_act *act
     object->id = act->object_id;
     object->vertex_count = act->vertex_count;
     object->triangle_count = act->triangle_count;
-    object->registered = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
-    object->x0 = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
-    object->x1 = copy_of(act->x0, act->vertex_count, sizeof *act->x0);
+    object->registered = test_copy(act->x0, act->vertex_count * sizeof *act->x0);
+    object->x0 = test_copy(act->x0, act->vertex_count * sizeof *act->x0);
+    object->x1 = test_copy(act->x0, act->vertex_count * sizeof *act->x0);
     object->triangles =
-        copy_of(act->triangles, act->triangle_count, sizeof *act->triangles);
+        test_copy(act->triangles, act->triangle_count * sizeof *act->triangles);
     assert_ok(eng_mesh_new(object->vertex_count, object->triangle_count, &object->mesh));
     assert_ok(eng_mesh_write_vertices(object->mesh, PCCD_FORMAT_F64, 0,
                                       object->vertex_count, object->registered));
     assert_ok(eng_mesh_write_triangles(object->mesh, 0, object->triangle_count,
                                        object->triangles, &bad));
-    object->radii = calloc(act->vertex_count, sizeof *object->radii);
-    assert_non_null(object->radii);
+    object->radii = test_room(act->vertex_count * sizeof *object->radii);
     if (radii_from) {
         draw_radii(object, radii_from);
     }
@@ -191,10 +180,9 @@ void player_open(struct player *player)
 static void *packed(const struct play_act *act, const double (*x)[3])
 {
     if (!act->is_f32) {
-        return copy_of(x, act->vertex_count, sizeof *x);
+        return test_copy(x, act->vertex_count * sizeof *x);
     }
-    float(*floats)[3] = malloc(act->vertex_count * sizeof *floats);
-    assert_non_null(floats);
+    float(*floats)[3] = test_room(act->vertex_count * sizeof *floats);
     for (uint32_t i = 0; i < 3 * act->vertex_count; i++) {
         floats[i / 3][i % 3] = (float)x[i / 3][i % 3];
         assert_true((double)floats[i / 3][i % 3] == x[i / 3][i % 3]);
@@ -300,12 +288,12 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
         size_t bytes = sizeof *from->x0;
         *to = *from;
         to->mesh = eng_mesh_acquire(from->mesh);
-        to->registered = copy_of(from->registered, from->vertex_count, bytes);
-        to->x0 = copy_of(from->x0, from->vertex_count, bytes);
-        to->x1 = copy_of(from->x1, from->vertex_count, bytes);
+        to->registered = test_copy(from->registered, from->vertex_count * bytes);
+        to->x0 = test_copy(from->x0, from->vertex_count * bytes);
+        to->x1 = test_copy(from->x1, from->vertex_count * bytes);
         to->triangles =
-            copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
-        to->radii = copy_of(from->radii, from->vertex_count, sizeof *from->radii);
+            test_copy(from->triangles, from->triangle_count * sizeof *from->triangles);
+        to->radii = test_copy(from->radii, from->vertex_count * sizeof *from->radii);
         assert_ok(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx));
         set_thickness(copy, to);
     }
@@ -324,7 +312,7 @@ static void take_detour(struct player *player, const struct eng_question *settin
     eng_stage_begin(player->scene);
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *object = &player->objects[i];
-        double(*x)[3] = copy_of(object->x1, object->vertex_count, sizeof *x);
+        double(*x)[3] = test_copy(object->x1, object->vertex_count * sizeof *x);
         to(object, x);
         int status = eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
                                     object->vertex_count, object->x1, x);

@@ -27,11 +27,9 @@ test_programs += \
     tests/unit/test_eng_build \
     tests/unit/test_eng_decide \
     tests/unit/test_eng_deque \
-    tests/unit/test_eng_divisor \
     tests/unit/test_eng_effort \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_fault \
-    tests/unit/test_eng_fault_team \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_footprint \
     tests/unit/test_eng_foreign \
@@ -39,7 +37,6 @@ test_programs += \
     tests/unit/test_eng_free \
     tests/unit/test_eng_grow \
     tests/unit/test_eng_hash \
-    tests/unit/test_eng_ids \
     tests/unit/test_eng_kernel \
     tests/unit/test_eng_lend \
     tests/unit/test_eng_masks \
@@ -51,11 +48,11 @@ test_programs += \
     tests/unit/test_eng_near_nearest \
     tests/unit/test_eng_nearest \
     tests/unit/test_eng_order \
+    tests/unit/test_eng_parts \
     tests/unit/test_eng_pairset \
     tests/unit/test_eng_path \
     tests/unit/test_eng_plane \
     tests/unit/test_eng_quantised \
-    tests/unit/test_eng_radix \
     tests/unit/test_eng_range \
     tests/unit/test_eng_rebuild \
     tests/unit/test_eng_record \
@@ -63,9 +60,7 @@ test_programs += \
     tests/unit/test_eng_refit_plan \
     tests/unit/test_eng_replace \
     tests/unit/test_eng_resort \
-    tests/unit/test_eng_result \
     tests/unit/test_eng_rounds \
-    tests/unit/test_eng_separate \
     tests/unit/test_eng_sieve \
     tests/unit/test_eng_sieve_near \
     tests/unit/test_eng_sieve_thick \
@@ -74,7 +69,6 @@ test_programs += \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_step \
     tests/unit/test_eng_still \
-    tests/unit/test_eng_subtree \
     tests/unit/test_eng_sweep \
     tests/unit/test_eng_team \
     tests/unit/test_eng_teleport \
@@ -95,20 +89,14 @@ test_programs += \
     tests/unit/test_rank_moving \
     tests/unit/test_rank_sort \
     tests/unit/test_rec_format \
-    tests/unit/test_reg_map \
-    tests/unit/test_reg_pairs \
-    tests/unit/test_reg_positions \
     tests/unit/test_reg_registry \
-    tests/unit/test_srv_awake \
     tests/unit/test_srv_compute \
     tests/unit/test_srv_fairqueue \
     tests/unit/test_srv_handles \
     tests/unit/test_srv_log \
-    tests/unit/test_srv_outbox \
     tests/unit/test_srv_outlet \
     tests/unit/test_srv_quota \
     tests/unit/test_srv_region \
-    tests/unit/test_srv_replies \
     tests/unit/test_srv_runners \
     tests/unit/test_srv_sandbox \
     tests/unit/test_tool_shown \
@@ -126,7 +114,6 @@ tests_unit_test_eng_path_SOURCES = tests/unit/test_eng_path.c tests/unit/eng_tur
 tests_unit_test_eng_sweep_SOURCES = tests/unit/test_eng_sweep.c tests/unit/eng_turns.c
 tests_unit_test_eng_turning_SOURCES = tests/unit/test_eng_turning.c tests/unit/eng_turns.c
 tests_unit_test_eng_fault_SOURCES = tests/unit/test_eng_fault.c tests/unit/eng_scarce.c
-tests_unit_test_eng_fault_team_SOURCES = tests/unit/test_eng_fault_team.c tests/unit/eng_scarce.c
 
 # Rooms whose headers have names of the engine's.
 rank_test_cppflags = -iquote $(top_srcdir)/client/mpi $(AM_CPPFLAGS)
@@ -174,8 +161,6 @@ tests_unit_test_ctl_writers_LDADD = $(ctl_test_libs)
 # The daemon's, without a socket.
 server_test_cppflags = $(server_cppflags) $(AM_CPPFLAGS) $(UV_CFLAGS)
 server_test_libs = libserver.la $(LDADD) $(UV_LIBS)
-tests_unit_test_srv_awake_CPPFLAGS = $(server_test_cppflags)
-tests_unit_test_srv_awake_LDADD = $(server_test_libs)
 tests_unit_test_srv_compute_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_compute_LDADD = $(server_test_libs)
 tests_unit_test_srv_fairqueue_CPPFLAGS = $(server_test_cppflags)
@@ -184,16 +169,12 @@ tests_unit_test_srv_handles_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_handles_LDADD = $(server_test_libs)
 tests_unit_test_srv_log_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_log_LDADD = $(server_test_libs)
-tests_unit_test_srv_outbox_CPPFLAGS = $(server_test_cppflags)
-tests_unit_test_srv_outbox_LDADD = $(server_test_libs)
 tests_unit_test_srv_outlet_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_outlet_LDADD = $(server_test_libs)
 tests_unit_test_srv_quota_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_quota_LDADD = $(server_test_libs)
 tests_unit_test_srv_region_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_region_LDADD = $(server_test_libs)
-tests_unit_test_srv_replies_CPPFLAGS = $(server_test_cppflags)
-tests_unit_test_srv_replies_LDADD = $(server_test_libs)
 tests_unit_test_srv_runners_CPPFLAGS = $(server_test_cppflags)
 tests_unit_test_srv_runners_LDADD = $(server_test_libs)
 tests_unit_test_srv_sandbox_CPPFLAGS = $(server_test_cppflags)

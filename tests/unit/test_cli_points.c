@@ -176,8 +176,7 @@ CASE(manifold__spans_the_largest_area)
             contacts[i] = contact(PCCD_VV, 1, i, 2, i);
             contacts[i].normal[2] = -1;
         }
-        assert_int_equal(
-            pccd_manifolds(bodies, 2, contacts, count, 0, &manifold, 1, &total), 0);
+        assert_ok(pccd_manifolds(bodies, 2, contacts, count, 0, &manifold, 1, &total));
         assert_int_equal(total, 1);
         assert_in_range(manifold.count, 1, 4);
         full += manifold.count == 4;
@@ -220,8 +219,7 @@ CASE(manifold__is_of_each_two_bodies)
     assert_true(manifolds[1].count == 1 && manifolds[1].points[0].record == 1 &&
                 manifolds[1].points[0].toi == 0.5 &&
                 manifolds[1].points[0].normal[2] == 1);
-    assert_int_equal(pccd_manifolds(bodies, 3, contacts, 5, 0.125, manifolds, 2, &total),
-                     0);
+    assert_ok(pccd_manifolds(bodies, 3, contacts, 5, 0.125, manifolds, 2, &total));
     assert_true(total == 3 && manifolds[1].count == 2 &&
                 manifolds[1].points[1].record == 2 &&
                 manifolds[1].points[1].normal[2] == -1);
@@ -233,15 +231,12 @@ CASE(manifold__is_of_each_two_bodies)
                                      .d_lo = 0.5 + i,
                                      .d_hi = 0.5 + i};
     }
-    assert_int_equal(
-        pccd_near_manifolds(bodies, 3, near, 2, 0.5, 1, manifolds, 3, &total), 0);
+    assert_ok(pccd_near_manifolds(bodies, 3, near, 2, 0.5, 1, manifolds, 3, &total));
     assert_true(total == 1 && manifolds[0].object_a == 2 && manifolds[0].count == 1 &&
                 manifolds[0].points[0].distance == 0.5);
-    assert_int_equal(
-        pccd_near_manifolds(bodies, 3, near, 2, 0.25, 1, manifolds, 3, &total), 0);
+    assert_ok(pccd_near_manifolds(bodies, 3, near, 2, 0.25, 1, manifolds, 3, &total));
     assert_int_equal(total, 0);
-    assert_int_equal(
-        pccd_near_manifolds(bodies, 3, near, 2, 2, 1, NULL, 0, &total), 0);
+    assert_ok(pccd_near_manifolds(bodies, 3, near, 2, 2, 1, NULL, 0, &total));
     assert_int_equal(total, 1);
 }
 

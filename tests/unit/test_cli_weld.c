@@ -28,8 +28,7 @@ static struct pccd_weld_counts go_on(struct pccd_weld *weld, const void *x)
 CASE(weld__keeps_together_what_stays_together)
 {
     enum { COUNT = 200000 };
-    double(*x)[3] = calloc(COUNT, sizeof *x);
-    assert_non_null(x);
+    double(*x)[3] = test_room(COUNT * sizeof *x);
     struct pccd_weld *weld = begin(COUNT, 0, false);
     const uint32_t *to = pccd_weld_read(weld, NULL);
     assert_null(to);
@@ -187,9 +186,8 @@ CASE(weld__says_what_is_wrong)
 CASE(weld__takes_seconds_for_millions)
 {
     enum { COUNT = 1000000 };
-    float(*x)[3] = malloc(COUNT * sizeof *x);
+    float(*x)[3] = test_room(COUNT * sizeof *x);
     struct prng random = {prng_seed()};
-    assert_non_null(x);
     for (uint32_t i = 0; i < COUNT; i++) { /* each place twice, two for others nearby */
         for (int k = 0; k < 3; k++) {
             x[i][k] = i % 2 == 0 ? (float)prng_below(&random, 1u << 20) : x[i - 1][k];

@@ -55,9 +55,8 @@ CASE(cloth__ball_is_a_closed_sphere)
         }
         assert_true(out > 0.0);
     }
-    assert_int_equal(edge_balance((const uint32_t(*)[3])cloth->triangles[CLOTH_BALL],
-                                  CLOTH_BALL_TRIANGLES),
-                     0);
+    assert_ok(edge_balance((const uint32_t(*)[3])cloth->triangles[CLOTH_BALL],
+                           CLOTH_BALL_TRIANGLES));
     free(cloth);
 }
 
@@ -139,10 +138,8 @@ static void drop(struct cloth *cloth)
 static struct way *walk(struct cloth *cloth, uint32_t count)
 {
     struct ctl_error error = {.text = ""};
-    struct way *way = calloc(1, sizeof *way);
-    assert_non_null(way);
-    way->cloth = malloc((count + 1) * sizeof *way->cloth);
-    assert_non_null(way->cloth);
+    struct way *way = test_room(sizeof *way);
+    way->cloth = test_room((count + 1) * sizeof *way->cloth);
     note_place(way, cloth, 0);
     for (uint32_t frame = 0; frame < count; frame++) {
         if (cloth_frame(cloth, count_answer, way, &error) != PCCD_OK) {

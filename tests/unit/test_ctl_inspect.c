@@ -86,8 +86,7 @@ static char *write_page(const char *name, uint32_t step_count, uint64_t bytes_ma
     assert_ok(inspect_finish(&inspect, name, &summary, &error));
     *kept = inspect.kept;
     *bytes = (uint64_t)ftell(file);
-    char *text = calloc(*bytes + 1, 1);
-    assert_non_null(text);
+    char *text = test_room((*bytes + 1));
     rewind(file);
     assert_int_equal(fread(text, 1, *bytes, file), *bytes);
     inspect_deinit(&inspect);

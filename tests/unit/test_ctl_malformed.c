@@ -13,6 +13,12 @@ struct malformed {
     const char *message; /* after the path */
 };
 
+/* A text that is refused for its form, with that message. */
+#define BAD(text, message)                                                               \
+    {                                                                                    \
+        text, 0, PCCD_E_FORMAT, message                                                  \
+    }
+
 /* As large the files are made, with a hole at the end; 0: as their text. */
 static off_t large_bytes;
 
@@ -48,70 +54,59 @@ static void check_malformed(const struct malformed *cases, size_t count, const c
 CASE(malformed__names_what_is_wrong_in_a_ply_header)
 {
     static const struct malformed cases[] = {
-        {"", 0, PCCD_E_FORMAT, ": the file is empty"},
-        {"plx\n", 0, PCCD_E_FORMAT, ":1: the first line is not \"ply\""},
-        {"ply\n", 0, PCCD_E_FORMAT, ":1: the file ends inside the header"},
-        {"ply\nformat ascii 1.0\n", 0, PCCD_E_FORMAT,
-         ":2: the file ends inside the header"},
-        {"ply\n\n", 0, PCCD_E_FORMAT, ":2: blank line in the header"},
-        {"ply\nformat ascii\n", 0, PCCD_E_FORMAT,
-         ":2: format without an encoding and a version"},
-        {"ply\nformat ascii 2.0\n", 0, PCCD_E_FORMAT,
-         ":2: version \"2.0\" where 1.0 is known"},
-        {"ply\nformat text 1.0\n", 0, PCCD_E_FORMAT, ":2: unknown encoding \"text\""},
-        {"ply\nformat ascii 1.0\nformat ascii 1.0\n", 0, PCCD_E_FORMAT,
-         ":3: a second format line"},
-        {"ply\nelephant\n", 0, PCCD_E_FORMAT, ":2: unknown header line \"elephant\""},
-        {"ply\nelement vertex\n", 0, PCCD_E_FORMAT,
-         ":2: element without a name and a count"},
-        {"ply\nelement vertex -1\n", 0, PCCD_E_FORMAT, ":2: \"-1\" is not a count"},
-        {"ply\nelement vertex 3x\n", 0, PCCD_E_FORMAT, ":2: \"3x\" is not a count"},
-        {"ply\nelement vertex 99999999999999999999\n", 0, PCCD_E_FORMAT,
-         ":2: \"99999999999999999999\" is not a count"},
-        {"ply\nelement vertex 3 4\n", 0, PCCD_E_FORMAT,
-         ":2: \"4\" is too much on a header line"},
-        {"ply\nproperty float x\n", 0, PCCD_E_FORMAT, ":2: property before any element"},
-        {"ply\nelement vertex 3\nproperty\n", 0, PCCD_E_FORMAT,
-         ":3: property without a type"},
-        {"ply\nelement vertex 3\nproperty half x\n", 0, PCCD_E_FORMAT,
-         ":3: unknown type \"half\""},
-        {"ply\nelement vertex 3\nproperty float\n", 0, PCCD_E_FORMAT,
-         ":3: property without a name"},
-        {"ply\nelement face 3\nproperty list uchar\n", 0, PCCD_E_FORMAT,
-         ":3: property without a type"},
-        {"ply\nelement vertex 0\nelement face 0\nend_header\n", 0, PCCD_E_FORMAT,
-         ":4: the header has no format line"},
-        {"ply\nformat ascii 1.0\nelement face 1\n" LIST "end_header\n", 0, PCCD_E_FORMAT,
-         ":5: the header has no element \"vertex\""},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
-         "element edge 1\nproperty int vertex1\nend_header\n0 0 0\n0\n",
-         0, PCCD_E_FORMAT, ":9: element \"edge\" has no property \"vertex2\""},
-        {HEAD "element vertex 3\nend_header\n", 0, PCCD_E_FORMAT,
-         ":10: two elements \"vertex\""},
-        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float z\n"
-         "element face 1\n" LIST "end_header\n",
-         0, PCCD_E_FORMAT, ":8: element \"vertex\" has no property \"y\""},
-        {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-         "property list int float y\nproperty float z\nelement face 1\n" LIST
-         "end_header\n",
-         0, PCCD_E_FORMAT, ":9: property \"y\" of \"vertex\" is a list"},
-        {"ply\nformat ascii 1.0\nelement vertex 3\n" XYZ "element face 1\n"
-         "property int vertex_indices\nend_header\n",
-         0, PCCD_E_FORMAT,
-         ":9: element \"face\" has no list \"vertex_indices\" or \"vertex_index\""},
-        {HEAD "element hole 2\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 0,
-         PCCD_E_FORMAT, ":10: element \"hole\" has no properties"},
-        {"ply\nformat ascii 1.0\nelement vertex 4000000000000000000\n" XYZ
-         "element face 1\n" LIST "end_header\n0 0 0\n",
-         0, PCCD_E_FORMAT,
-         ":9: 4000000000000000000 rows of element \"vertex\" take 18446744073709551615 "
-         "bytes or more, and 6 of the file are left"},
-        {"ply\nformat binary_little_endian 1.0\nelement vertex 1\n" XYZ
-         "element face 3000000000\n" LIST "end_header\n123456789012",
-         0, PCCD_E_FORMAT,
-         ":9: 3000000000 rows of element \"face\" take 3000000000 bytes or more, and 0 "
-         "of "
-         "the file are left"},
+        BAD("", ": the file is empty"),
+        BAD("plx\n", ":1: the first line is not \"ply\""),
+        BAD("ply\n", ":1: the file ends inside the header"),
+        BAD("ply\nformat ascii 1.0\n", ":2: the file ends inside the header"),
+        BAD("ply\n\n", ":2: blank line in the header"),
+        BAD("ply\nformat ascii\n", ":2: format without an encoding and a version"),
+        BAD("ply\nformat ascii 2.0\n", ":2: version \"2.0\" where 1.0 is known"),
+        BAD("ply\nformat text 1.0\n", ":2: unknown encoding \"text\""),
+        BAD("ply\nformat ascii 1.0\nformat ascii 1.0\n", ":3: a second format line"),
+        BAD("ply\nelephant\n", ":2: unknown header line \"elephant\""),
+        BAD("ply\nelement vertex\n", ":2: element without a name and a count"),
+        BAD("ply\nelement vertex -1\n", ":2: \"-1\" is not a count"),
+        BAD("ply\nelement vertex 3x\n", ":2: \"3x\" is not a count"),
+        BAD("ply\nelement vertex 99999999999999999999\n",
+            ":2: \"99999999999999999999\" is not a count"),
+        BAD("ply\nelement vertex 3 4\n", ":2: \"4\" is too much on a header line"),
+        BAD("ply\nproperty float x\n", ":2: property before any element"),
+        BAD("ply\nelement vertex 3\nproperty\n", ":3: property without a type"),
+        BAD("ply\nelement vertex 3\nproperty half x\n", ":3: unknown type \"half\""),
+        BAD("ply\nelement vertex 3\nproperty float\n", ":3: property without a name"),
+        BAD("ply\nelement face 3\nproperty list uchar\n", ":3: property without a type"),
+        BAD("ply\nelement vertex 0\nelement face 0\nend_header\n",
+            ":4: the header has no format line"),
+        BAD("ply\nformat ascii 1.0\nelement face 1\n" LIST "end_header\n",
+            ":5: the header has no element \"vertex\""),
+        BAD("ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+            "element edge 1\nproperty int vertex1\nend_header\n0 0 0\n0\n",
+            ":9: element \"edge\" has no property \"vertex2\""),
+        BAD(HEAD "element vertex 3\nend_header\n", ":10: two elements \"vertex\""),
+        BAD("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+            "z\n"
+            "element face 1\n" LIST "end_header\n",
+            ":8: element \"vertex\" has no property \"y\""),
+        BAD("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+            "property list int float y\nproperty float z\nelement face 1\n" LIST
+            "end_header\n",
+            ":9: property \"y\" of \"vertex\" is a list"),
+        BAD("ply\nformat ascii 1.0\nelement vertex 3\n" XYZ "element face 1\n"
+            "property int vertex_indices\nend_header\n",
+            ":9: element \"face\" has no list \"vertex_indices\" or \"vertex_index\""),
+        BAD(HEAD "element hole 2\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+            ":10: element \"hole\" has no properties"),
+        BAD("ply\nformat ascii 1.0\nelement vertex 4000000000000000000\n" XYZ
+            "element face 1\n" LIST "end_header\n0 0 0\n",
+            ":9: 4000000000000000000 rows of element \"vertex\" take "
+            "18446744073709551615 "
+            "bytes or more, and 6 of the file are left"),
+        BAD("ply\nformat binary_little_endian 1.0\nelement vertex 1\n" XYZ
+            "element face 3000000000\n" LIST "end_header\n123456789012",
+            ":9: 3000000000 rows of element \"face\" take 3000000000 bytes or more, and "
+            "0 "
+            "of "
+            "the file are left"),
     };
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
 }
@@ -120,9 +115,9 @@ CASE(malformed__names_what_is_wrong_in_a_ply_header)
 CASE(malformed__refuses_a_ply_without_vertices_or_faces)
 {
     static const struct malformed cases[] = {
-        {"ply\nformat ascii 1.0\nelement vertex 0\n" XYZ "element face 0\n" LIST
-         "end_header\n",
-         0, PCCD_E_FORMAT, ": no vertices"},
+        BAD("ply\nformat ascii 1.0\nelement vertex 0\n" XYZ "element face 0\n" LIST
+            "end_header\n",
+            ": no vertices"),
         {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
          "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
          "0 0 0\n0 1\n",
@@ -135,14 +130,14 @@ CASE(malformed__refuses_a_ply_without_vertices_or_faces)
 CASE(malformed__names_what_is_wrong_in_an_ascii_ply)
 {
     static const struct malformed cases[] = {
-        {BODY("0 0 0\n1 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":11: vertex 1: a value is missing at the end of the line"},
-        {BODY("0 0 0\n1 0 0 5\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":11: vertex 1: \"5\" is too much on the line"},
-        {BODY("0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":11: vertex 1: \"zero\" is not a number"},
-        {BODY("0 0 0\n1 0.5.5 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":11: vertex 1: \"0.5.5\" is not a number"},
+        BAD(BODY("0 0 0\n1 0\n0 1 0\n3 0 1 2\n"),
+            ":11: vertex 1: a value is missing at the end of the line"),
+        BAD(BODY("0 0 0\n1 0 0 5\n0 1 0\n3 0 1 2\n"),
+            ":11: vertex 1: \"5\" is too much on the line"),
+        BAD(BODY("0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"),
+            ":11: vertex 1: \"zero\" is not a number"),
+        BAD(BODY("0 0 0\n1 0.5.5 0\n0 1 0\n3 0 1 2\n"),
+            ":11: vertex 1: \"0.5.5\" is not a number"),
         {BODY("0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_NOTFINITE,
          ":11: vertex 1: coordinate y is nan; |x| <= 1e18 is needed"},
         {BODY("0 0 0\n1 0 -inf\n0 1 0\n3 0 1 2\n"), 0, PCCD_E_NOTFINITE,
@@ -153,22 +148,21 @@ CASE(malformed__names_what_is_wrong_in_an_ascii_ply)
          ":14: face 0: 3 is not a vertex number (3 vertices are there)"},
         {BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), 0, PCCD_E_INDEX,
          ":13: face 0: -1 is not a vertex number (3 vertices are there)"},
-        {BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"), 0, PCCD_E_FORMAT,
-         ":13: face 0: \"1.5\" is not a whole number"},
-        {BODY("0 0 0\n1 0 0\n0 1 0\n2 0 1    \n"), 0, PCCD_E_FORMAT,
-         ":13: face 0: 2 vertices where a face needs at least 3"},
-        {BODY("0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":13: face 0: -3 is not a possible list length"},
-        {BODY("0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":13: face 0: 4000000000 is not a possible list length"},
-        {BODY("0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n"), 0, PCCD_E_FORMAT,
-         ":13: face 0: a value is missing at the end of the line"},
-        {BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\nmore\n"), 0, PCCD_E_FORMAT,
-         ":15: \"more\" after the last element"},
-        {BODY("00000 00000\n1 0 0\n0 1 0\n"), 0, PCCD_E_FORMAT,
-         ":10: vertex 0: a value is missing at the end of the line"},
-        {BODY("0.000000000 0 0\n1 0 0\n0 1 0\n"), 0, PCCD_E_FORMAT,
-         ":12: face 0: the file ends here"},
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"),
+            ":13: face 0: \"1.5\" is not a whole number"),
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n2 0 1    \n"),
+            ":13: face 0: 2 vertices where a face needs at least 3"),
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"),
+            ":13: face 0: -3 is not a possible list length"),
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n"),
+            ":13: face 0: 4000000000 is not a possible list length"),
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n"),
+            ":13: face 0: a value is missing at the end of the line"),
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\nmore\n"),
+            ":15: \"more\" after the last element"),
+        BAD(BODY("00000 00000\n1 0 0\n0 1 0\n"),
+            ":10: vertex 0: a value is missing at the end of the line"),
+        BAD(BODY("0.000000000 0 0\n1 0 0\n0 1 0\n"), ":12: face 0: the file ends here"),
     };
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
 }
@@ -212,34 +206,31 @@ CASE(malformed__names_what_is_wrong_in_a_binary_ply)
 CASE(malformed__names_what_is_wrong_in_an_obj)
 {
     static const struct malformed cases[] = {
-        {"f 1 2 3\n", 0, PCCD_E_FORMAT, ": no vertices"},
-        {"v 0 0 0\n", 0, PCCD_E_FORMAT, ": no faces, edges or points"},
-        {"v 0 0 0\nl 1\n", 0, PCCD_E_FORMAT,
-         ":2: 1 vertex where a line needs at least 2"},
+        BAD("f 1 2 3\n", ": no vertices"),
+        BAD("v 0 0 0\n", ": no faces, edges or points"),
+        BAD("v 0 0 0\nl 1\n", ":2: 1 vertex where a line needs at least 2"),
         {"v 0 0 0\nl 1 2\n", 0, PCCD_E_INDEX,
          ":2: 2 is not a vertex number (1 vertices so far, 1 in the file)"},
-        {"v 0 0 0\np\n", 0, PCCD_E_FORMAT, ":2: points without a vertex"},
-        {"v 0 0\n", 0, PCCD_E_FORMAT, ":1: a vertex of 2 numbers"},
-        {"v 0 0 0 0 0\n", 0, PCCD_E_FORMAT, ":1: a vertex of 5 numbers"},
-        {"v 0 0 0 0 0 0 0 0\n", 0, PCCD_E_FORMAT, ":1: more than 7 numbers in a vertex"},
-        {"v 0 0 x\n", 0, PCCD_E_FORMAT, ":1: \"x\" is not a number"},
+        BAD("v 0 0 0\np\n", ":2: points without a vertex"),
+        BAD("v 0 0\n", ":1: a vertex of 2 numbers"),
+        BAD("v 0 0 0 0 0\n", ":1: a vertex of 5 numbers"),
+        BAD("v 0 0 0 0 0 0 0 0\n", ":1: more than 7 numbers in a vertex"),
+        BAD("v 0 0 x\n", ":1: \"x\" is not a number"),
         {"v 0 0 0\nv 0 nan 0\n", 0, PCCD_E_NOTFINITE,
          ":2: vertex 2: coordinate y is nan; |x| <= 1e18 is needed"},
         {"v 0 0 0\nv 0 0 1e19\n", 0, PCCD_E_NOTFINITE,
          ":2: vertex 2: coordinate z is 1e+19; |x| <= 1e18 is needed"},
-        {"v 0 0 0\nf 1 1\n", 0, PCCD_E_FORMAT,
-         ":2: 2 vertices where a face needs at least 3"},
+        BAD("v 0 0 0\nf 1 1\n", ":2: 2 vertices where a face needs at least 3"),
         {"v 0 0 0\nf 1 1 2\n", 0, PCCD_E_INDEX,
          ":2: 2 is not a vertex number (1 vertices so far, 1 in the file)"},
         {"v 0 0 0\nf 1 1 0\n", 0, PCCD_E_INDEX,
          ":2: 0 is not a vertex number (1 vertices so far, 1 in the file)"},
         {"v 0 0 0\nf -1 -1 -2\nv 1 1 1\n", 0, PCCD_E_INDEX,
          ":2: -2 is not a vertex number (1 vertices so far, 2 in the file)"},
-        {"v 0 0 0\nf 1 /1 1\n", 0, PCCD_E_FORMAT, ":2: \"/1\" is not a vertex number"},
-        {"v 0 0 0\nf 1 1 1.5\n", 0, PCCD_E_FORMAT, ":2: \"1.5\" is not a vertex number"},
-        {"v 0 0 0\nsolid\n", 0, PCCD_E_FORMAT, ":2: unknown statement \"solid\""},
-        {"v 0 0 0\n\\\nv 1 1 1\n", 0, PCCD_E_FORMAT,
-         ":2: a vertex that begins on a continued line"},
+        BAD("v 0 0 0\nf 1 /1 1\n", ":2: \"/1\" is not a vertex number"),
+        BAD("v 0 0 0\nf 1 1 1.5\n", ":2: \"1.5\" is not a vertex number"),
+        BAD("v 0 0 0\nsolid\n", ":2: unknown statement \"solid\""),
+        BAD("v 0 0 0\n\\\nv 1 1 1\n", ":2: a vertex that begins on a continued line"),
     };
     check_malformed(cases, KIT_COUNT(cases), "bad.obj");
 }
@@ -290,20 +281,19 @@ CASE(malformed__tells_files_it_cannot_read)
 CASE(malformed__is_told_before_a_large_file_is_read)
 {
     static const struct malformed cases[] = {
-        {BINARY_START "1000000000\n" XYZ "element face 1\n" LIST "end_header\n", 0,
-         PCCD_E_FORMAT,
-         ":9: 1000000000 rows of element \"vertex\" take 12000000000 bytes or more, and "
-         "8589934414 of the file are left"},
-        {BINARY_START "1\n" XYZ
-                      "element face 2\nproperty list uchar short vertex_indices\n"
-                      "end_header\n",
-         0, PCCD_E_FORMAT,
-         ":9: the elements take at most 1034 bytes, and the file has 8589933387 more"},
-        {BODY("0 0 0\n"), 0, PCCD_E_FORMAT, ": byte 160 is zero, which no text has"},
-        {"ply\nformat ascii 1.0\n", 0, PCCD_E_FORMAT, ":3: unknown header line \"\""},
+        BAD(BINARY_START "1000000000\n" XYZ "element face 1\n" LIST "end_header\n",
+            ":9: 1000000000 rows of element \"vertex\" take 12000000000 bytes or more, "
+            "and "
+            "8589934414 of the file are left"),
+        BAD(BINARY_START "1\n" XYZ
+                         "element face 2\nproperty list uchar short vertex_indices\n"
+                         "end_header\n",
+            ":9: the elements take at most 1034 bytes, and the file has 8589933387 more"),
+        BAD(BODY("0 0 0\n"), ": byte 160 is zero, which no text has"),
+        BAD("ply\nformat ascii 1.0\n", ":3: unknown header line \"\""),
     };
-    static const struct malformed obj = {"v 0 0 0\nv 1 0 0\n", 0, PCCD_E_FORMAT,
-                                         ": byte 16 is zero, which no text has"};
+    static const struct malformed obj =
+        BAD("v 0 0 0\nv 1 0 0\n", ": byte 16 is zero, which no text has");
     clock_t begin = clock();
     large_bytes = (off_t)1 << 33;
     check_malformed(cases, KIT_COUNT(cases), "large.ply");

@@ -270,8 +270,7 @@ static uint8_t *drawn_square(float from_z, const char *path)
     assert_int_equal(image.width, PICTURE_WIDTH);
     assert_int_equal(image.height, PICTURE_HEIGHT);
     image.format = PNG_FORMAT_RGB;
-    uint8_t *pixels = malloc(PNG_IMAGE_SIZE(image));
-    assert_non_null(pixels);
+    uint8_t *pixels = test_room(PNG_IMAGE_SIZE(image));
     assert_int_not_equal(png_image_finish_read(&image, NULL, pixels, 0, NULL), 0);
     return pixels;
 }

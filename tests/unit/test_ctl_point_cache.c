@@ -76,8 +76,7 @@ static void check_frames(const struct ctl_motion *motion, uint32_t frames,
                          uint32_t vertices)
 {
     struct ctl_error error;
-    float *x = malloc(12 * (size_t)vertices);
-    assert_non_null(x);
+    float *x = test_room(12 * (size_t)vertices);
     assert_int_equal(motion->frame_count, frames);
     assert_int_equal(motion->vertex_count, vertices);
     assert_int_equal(motion->format, PCCD_FORMAT_F32);

@@ -18,8 +18,7 @@ static void start(double ratio)
 
 static struct eng_question team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_PAPER;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ALL, PCCD_METHOD_PAPER);
     settings.threads = threads;
     settings.tuning.scheduler = scheduler;
     return settings;

@@ -11,8 +11,7 @@
 
 static struct eng_question settings_of(enum pccd_mode mode, bool brief)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_DEFAULT);
     settings.brief = brief;
     return settings;
 }

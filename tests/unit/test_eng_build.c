@@ -59,12 +59,11 @@ static bool is_root(const struct eng_scene *scene, uint32_t node_idx)
  * deepest leaf, the root being 0; *top_depth: of the deepest object root. */
 static uint32_t walk(const struct eng_scene *scene, uint32_t *top_depth)
 {
-    uint8_t *seen = calloc(eng_trees_of(scene)->triangle_capacity + 1, 1);
+    uint8_t *seen = test_room((eng_trees_of(scene)->triangle_capacity + 1));
     uint32_t stack[128][2];
     uint32_t count = 0;
     uint32_t depth = 0;
     uint32_t leaves = 0;
-    assert_non_null(seen);
     *top_depth = 0;
     stack[count][0] = eng_trees_of(scene)->root;
     stack[count++][1] = 0;
@@ -119,8 +118,7 @@ CASE(build__identical_centroids_split_evenly)
     const double x[6][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
                             {-1, 2, 0}, {2, 0, -1}, {0, -1, 2}};
     for (uint32_t n = 1; n <= 1000; n = n * 3 + 1) {
-        uint32_t(*triangles)[3] = malloc(n * sizeof *triangles);
-        assert_non_null(triangles);
+        uint32_t(*triangles)[3] = test_room(n * sizeof *triangles);
         for (uint32_t t = 0; t < n; t++) {
             for (uint32_t k = 0; k < 3; k++) {
                 triangles[t][k] =
@@ -129,7 +127,7 @@ CASE(build__identical_centroids_split_evenly)
         }
         struct eng_scene *scene = new_scene();
         uint32_t top_depth;
-        add(scene, kit_mesh(x, 6, (const uint32_t(*)[3])triangles, n), 0);
+        add(scene, kit_mesh(x, 6, triangles, n), 0);
         settle(scene);
         assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1);
         eng_scene_free(scene);

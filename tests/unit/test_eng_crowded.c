@@ -249,8 +249,7 @@ static struct eng_mesh *some_mesh(struct prng *random, uint32_t side, uint32_t p
         memcpy(triangles[n++], (uint32_t[]){v, v + 1, v + 2}, sizeof *triangles);
         memcpy(triangles[n++], (uint32_t[]){v, v + 2, v + 3}, sizeof *triangles);
     }
-    struct eng_mesh *mesh = in_order(kit_mesh((const double(*)[3])x, vertices,
-                                              (const uint32_t(*)[3])triangles, count));
+    struct eng_mesh *mesh = in_order(kit_mesh(x, vertices, triangles, count));
     free(x);
     free(triangles);
     return mesh;
@@ -301,9 +300,7 @@ CASE(crowded__parallel_sheets_are_told_by_their_distance)
         memcpy(x[vertices + 2], (double[]){0.5, 0.53, height}, sizeof *x);
         memcpy(triangles[count], (uint32_t[]){vertices, vertices + 1, vertices + 2},
                sizeof *triangles);
-        struct eng_mesh *two =
-            in_order(kit_mesh((const double(*)[3])x, vertices + 3,
-                              (const uint32_t(*)[3])triangles, count + 1));
+        struct eng_mesh *two = in_order(kit_mesh(x, vertices + 3, triangles, count + 1));
         search(two, 1000);
         assert_true(eng_mesh_clearance(two) == length);
         assert_int_equal(has_crowded(two), i);
@@ -333,8 +330,7 @@ CASE(crowded__is_not_told_of_heaps_and_points)
         }
         triangles[v / 3][v % 3] = v;
     }
-    meshes[1] = in_order(kit_mesh((const double(*)[3])heap, 3 * 4000,
-                                  (const uint32_t(*)[3])triangles, 4000));
+    meshes[1] = in_order(kit_mesh(heap, 3 * 4000, triangles, 4000));
     for (int i = 0; i < 3; i++) {
         search(meshes[i], 10000);
         assert_true(eng_mesh_clearance(meshes[i]) == 0);
@@ -386,8 +382,7 @@ CASE(crowded__scales_with_the_mesh)
             x[k / 3][k % 3] = scales[i] * mesh->x[k / 3][k % 3];
         }
         struct eng_mesh *other = in_order(
-            kit_mesh((const double(*)[3])x, mesh->info.vertex_count,
-                     (const uint32_t(*)[3])triangles, mesh->info.triangle_count));
+            kit_mesh(x, mesh->info.vertex_count, triangles, mesh->info.triangle_count));
         search(other, UINT64_MAX);
         assert_true(eng_mesh_clearance(other) == scales[i] * eng_mesh_clearance(mesh));
         assert_true(all_crowded_of(other) == all_crowded_of(mesh));

@@ -88,8 +88,7 @@ CASE_WITH(deque__races_lose_and_double_nothing, setup, teardown)
 {
     struct race race = {.deque = *state};
     pthread_t threads[THIEVES];
-    race.seen = calloc(TASKS, sizeof *race.seen);
-    assert_non_null(race.seen);
+    race.seen = test_room(TASKS * sizeof *race.seen);
     for (int i = 0; i < THIEVES; i++) {
         assert_int_equal(pthread_create(&threads[i], NULL, thief, &race), 0);
     }

@@ -1,11 +1,14 @@
 /* test_eng_fault.c - the engine when memory runs out. */
 #include "eng_scarce.h"
+
 #include "paper.h"
 #include "stage_turning.h"
 #include "step.h"
 #include "trees.h"
 #include "wide_state.h"
 #include "world.h"
+
+/* ---- one thread -------------------------------------------------------------------- */
 
 #define SIDE 2u
 #define V    ((SIDE + 1) * (SIDE + 1))
@@ -68,9 +71,7 @@ static int stage(struct eng_scene *scene, uint32_t object_idx, int seed)
 static int try_step(struct eng_scene *scene, enum pccd_mode mode, enum pccd_method method,
                     int seed, struct eng_step_result *result)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
-    settings.method = method;
+    struct eng_question settings = kit_contacts(mode, method);
     settings.touching = seed % 2 == 0 ? PCCD_TOUCHING_LEFT_OUT : PCCD_TOUCHING_KEPT;
     eng_stage_begin(scene);
     for (uint32_t idx = 0; idx < scene->object_capacity; idx++) {
@@ -117,10 +118,9 @@ static void check_failed_step_moves_nothing(struct eng_scene *scene)
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
     size_t bytes = scene->vertex_ranges.end * sizeof *scene->x[0];
-    double *before = malloc(bytes);
+    double *before = test_room(bytes);
     double x[1][3] = {{9, 9, 9}};
     settings.mode = PCCD_MODE_ANY;
-    assert_non_null(before);
     memcpy(before, scene->x[scene->now], bytes);
     eng_stage_begin(scene);
     int status = eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 1, x);
@@ -450,4 +450,69 @@ CASE(fault__every_allocation_of_a_turning_step_may_fail)
         }
     }
     scarce.countdown = 0;
+}
+
+/* ---- several threads --------------------------------------------------------------- */
+
+#define TEAM_TRIANGLES 1100u /* enough for a team */
+#define TEAM_THREADS   4u
+
+static int try_team_step(struct eng_scene *scene, const struct eng_question *settings,
+                         struct eng_step_result *result)
+{
+    const uint64_t failures = scarce.failures;
+    int status = eng_step(scene, settings, result);
+    if (status == PCCD_OK && result->incomplete != PCCD_COMPLETE) {
+        assert_int_equal(result->incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+        assert_true(scarce.failures > failures);
+        return PCCD_E_NOMEM;
+    }
+    return status;
+}
+
+/* One step of a new scene, again if memory ran out; the hash of its answer. */
+static uint64_t live_team(struct eng_mesh *mesh, enum pccd_mode mode,
+                          enum eng_scheduler scheduler)
+{
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct eng_step_result result;
+    struct eng_scene *scene = NULL;
+    uint32_t idx;
+    settings.mode = mode;
+    settings.threads = TEAM_THREADS;
+    settings.team_always = true;
+    settings.tuning.scheduler = scheduler;
+    RETRY(eng_scene_new(NULL, &scene));
+    RETRY(eng_scene_add(scene, mesh, 1, &idx));
+    RETRY(try_team_step(scene, &settings, &result));
+    assert_true(result.count > 5000); /* enough to be merged by all */
+    assert_int_equal(result.threads, TEAM_THREADS);
+    uint64_t hash = result.hash[1];
+    eng_scene_free(scene);
+    return hash;
+}
+
+/* If it failed: threads would wait for ever for one that had no memory, or an answer
+ * without some of its records would look whole. */
+CASE(fault_team__every_allocation_of_a_step_may_fail)
+{
+    struct prng random = {92};
+    struct eng_mesh *mesh = kit_soup(&random, TEAM_TRIANGLES);
+    const uint64_t held = scarce.held_blocks;
+    for (int i = 0; i < 4; i++) {
+        enum eng_scheduler scheduler = i % 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL;
+        uint64_t hash = live_team(mesh, PCCD_MODE_PAIRS, scheduler);
+        scarce.goes_on_failing = i >= 2;
+        for (uint64_t n = 1, unharmed = 0; unharmed < 3; n++) {
+            scarce.countdown = n;
+            scarce.failures = 0;
+            assert_true(live_team(mesh, PCCD_MODE_PAIRS, scheduler) == hash);
+            unharmed += scarce.failures == 0;
+            assert_int_equal(scarce.held_blocks, held);
+            assert_true(n > 10 || scarce.failures == 1);
+        }
+        scarce.countdown = 0;
+    }
+    eng_mesh_release(mesh);
+    assert_int_equal(scarce.held_blocks, 0);
 }

@@ -147,14 +147,11 @@ static void ground_init(struct ground *ground, const struct layout *layout)
     ground->scene = kit_scene();
     for (uint32_t i = 0; i < SHEETS; i++) {
         struct eng_mesh *flat = kit_sheet(SIDE, 0);
-        uint32_t(*corners)[3] = calloc(flat->info.triangle_count, sizeof *corners);
-        assert_non_null(corners);
+        uint32_t(*corners)[3] = test_room(flat->info.triangle_count * sizeof *corners);
         assert_int_equal(flat->info.vertex_count, VERTICES);
         eng_mesh_get_corners(flat, corners);
         place_sheet(i, 0, layout->offset[i / 2], layout->back[i / 2], layout->scale, x);
-        struct eng_mesh *mesh =
-            kit_mesh((const double(*)[3])x, VERTICES, (const uint32_t(*)[3])corners,
-                     flat->info.triangle_count);
+        struct eng_mesh *mesh = kit_mesh(x, VERTICES, corners, flat->info.triangle_count);
         ground->objects[i] = kit_add(ground->scene, mesh, i);
         eng_mesh_release(flat);
         free(corners);
@@ -167,9 +164,7 @@ static struct eng_step_result ground_step(struct ground *ground,
                                           enum pccd_method method, enum pccd_mode mode)
 {
     static double x[VERTICES][3];
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = method;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, method);
     eng_stage_begin(ground->scene);
     for (uint32_t i = 0; i < SHEETS; i++) {
         place_sheet(i, number, layout->offset[i / 2], layout->back[i / 2], layout->scale,
@@ -266,8 +261,7 @@ CASE(frames__stay_where_little_moves)
                                   .scale = 1};
     struct ground grounds[2]; /* the second makes everything anew */
     struct eng_step_result results[2];
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_WIDE;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ALL, PCCD_METHOD_WIDE);
     ground_init(&grounds[0], &layout);
     ground_init(&grounds[1], &layout);
     for (uint32_t number = 1; number < 12; number++) {
@@ -357,9 +351,8 @@ static double cells_of_boxes(const struct eng_scene *scene, enum pccd_tree tree,
 static void check_level(const struct eng_scene *scene, enum pccd_tree tree,
                         uint32_t level, uint32_t boxes)
 {
-    struct pccd_box *box = calloc(boxes, sizeof *box);
+    struct pccd_box *box = test_room(boxes * sizeof *box);
     const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
-    assert_non_null(box);
     assert_int_equal(eng_level_boxes(scene, tree, level, 0, boxes, box), boxes);
     for (int k = 0; k < 3; k++) {
         double low = INFINITY;
@@ -421,13 +414,11 @@ CASE(frames__a_vertex_in_no_triangle_does_not_count)
     struct layout far = {.offset = {{0x1p30, 0, 0}}, .scale = 1};
     struct eng_mesh *flat = kit_sheet(SIDE, 0);
     uint32_t count = flat->info.triangle_count;
-    uint32_t(*corners)[3] = calloc(count, sizeof *corners);
+    uint32_t(*corners)[3] = test_room(count * sizeof *corners);
     uint32_t object;
-    assert_non_null(corners);
     eng_mesh_get_corners(flat, corners);
     place_sheet(0, 0, far.offset[0], far.back[0], 1, x); /* the last stays at 0 */
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, VERTICES + 1,
-                                     (const uint32_t(*)[3])corners, count);
+    struct eng_mesh *mesh = kit_mesh(x, VERTICES + 1, corners, count);
     assert_true(mesh->bounds.low[0] >= 0x1p30);
     struct eng_scene *scene = kit_scene();
     assert_ok(eng_scene_add(scene, mesh, 1, &object));

@@ -9,40 +9,6 @@
 
 /* ---- meshes ------------------------------------------------------------------------ */
 
-struct shape {
-    struct eng_mesh_counts counts;
-    const double (*x)[3];
-    const uint32_t (*triangles)[3];
-    const uint32_t (*edges)[2];
-    const uint32_t *points;
-};
-
-static struct eng_mesh *mesh_of(const struct shape *shape)
-{
-    const struct eng_mesh_counts *counts = &shape->counts;
-    struct eng_mesh *mesh;
-    uint32_t bad;
-    assert_ok(eng_mesh_make(counts, &mesh));
-    assert_int_equal(
-        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts->vertices, shape->x), 0);
-    if (counts->triangles > 0) {
-        assert_int_equal(
-            eng_mesh_write_triangles(mesh, 0, counts->triangles, shape->triangles, &bad),
-            0);
-    }
-    if (counts->edges > 0) {
-        assert_int_equal(eng_mesh_write_edges(mesh, 0, counts->edges, shape->edges, &bad),
-                         0);
-    }
-    if (counts->points > 0) {
-        assert_int_equal(
-            eng_mesh_write_points(mesh, 0, counts->points, shape->points, &bad), 0);
-    }
-    assert_ok(eng_mesh_commit(mesh));
-    assert_true(eng_feature_validate(mesh));
-    return mesh;
-}
-
 static const double line[9][3] = {{0}, {1}, {2}, {3}, {4}, {5}, {6}, {7}, {8}};
 
 /* If it failed: what is named twice, or is a side or a corner anyway, would be tested
@@ -53,8 +19,8 @@ CASE(mesh__has_free_what_nothing_else_has)
     static const uint32_t triangles[1][3] = {{0, 1, 2}};
     static const uint32_t edges[6][2] = {{2, 1}, {4, 3}, {3, 4}, {5, 5}, {3, 2}, {3, 3}};
     static const uint32_t points[5] = {0, 4, 6, 6, 5};
-    const struct shape shape = {{9, 1, 6, 5}, line, triangles, edges, points};
-    struct eng_mesh *mesh = mesh_of(&shape);
+    const struct kit_shape shape = {{9, 1, 6, 5}, line, triangles, edges, points, NULL};
+    struct eng_mesh *mesh = kit_mesh_of(&shape);
     struct eng_mesh_info info;
     uint32_t ends[2][2];
     uint32_t alone[2];
@@ -159,12 +125,11 @@ static void draw(struct play *play, double x[3])
     }
 }
 
-static void make_body(struct play *play, struct body *body, const struct shape *shape,
+static void make_body(struct play *play, struct body *body, const struct kit_shape *shape,
                       uint32_t id)
 {
-    double(*x)[3] = malloc(shape->counts.vertices * sizeof *x);
-    struct shape placed = *shape;
-    assert_non_null(x);
+    double(*x)[3] = test_room(shape->counts.vertices * sizeof *x);
+    struct kit_shape placed = *shape;
     *body =
         (struct body){.id = id, .vertex_count = shape->counts.vertices, .x = {NULL, x}};
     body->x[0] = malloc(shape->counts.vertices * sizeof *x);
@@ -173,8 +138,8 @@ static void make_body(struct play *play, struct body *body, const struct shape *
         draw(play, x[v]);
         memcpy(body->x[0][v], x[v], sizeof x[v]);
     }
-    placed.x = (const double(*)[3])x;
-    body->mesh = mesh_of(&placed);
+    placed.x = x;
+    body->mesh = kit_mesh_of(&placed);
 }
 
 static void make_cloud(struct play *play)
@@ -183,7 +148,7 @@ static void make_cloud(struct play *play)
     for (uint32_t i = 0; i < CLOUD; i++) {
         points[i] = i;
     }
-    const struct shape shape = {.counts = {CLOUD, 0, 0, CLOUD}, .points = points};
+    const struct kit_shape shape = {.counts = {CLOUD, 0, 0, CLOUD}, .points = points};
     make_body(play, &play->bodies[0], &shape, 1);
 }
 
@@ -212,11 +177,12 @@ static void make_mixed(struct play *play)
     for (uint32_t i = 0; i < POINTS; i++) {
         points[i] = name[MIXED - POINTS + i];
     }
-    const struct shape shape = {{MIXED, TRIANGLES, RODS * SEGMENTS, POINTS},
-                                NULL,
-                                (const uint32_t(*)[3])triangles,
-                                (const uint32_t(*)[2])edges,
-                                points};
+    const struct kit_shape shape = {{MIXED, TRIANGLES, RODS * SEGMENTS, POINTS},
+                                    NULL,
+                                    triangles,
+                                    edges,
+                                    points,
+                                    NULL};
     make_body(play, &play->bodies[1], &shape, 2);
 }
 
@@ -226,8 +192,7 @@ static void set_radius(struct play *play, double radius)
     play->radius = radius;
     for (uint32_t i = 0; i < way_count(); i++) {
         for (uint32_t idx = 0; idx < 2; idx++) {
-            assert_int_equal(eng_scene_set_thickness(play->scenes[i], idx, &thickness),
-                             0);
+            assert_ok(eng_scene_set_thickness(play->scenes[i], idx, &thickness));
         }
     }
 }
@@ -447,8 +412,7 @@ static void check_contact(struct play *play, enum pccd_kind kind, const struct f
 
 static struct eng_question way(uint32_t i, enum pccd_mode mode)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_DEFAULT);
     way_choose(i, &settings);
     return settings;
 }

@@ -69,8 +69,7 @@ CASE(hash__parts_in_any_order_add_up_to_the_whole)
     struct prng random = {83};
     for (int k = 0; k < 2; k++) {
         uint32_t each = sizes[k];
-        unsigned char *records = malloc(500 * each);
-        assert_non_null(records);
+        unsigned char *records = test_room(500 * each);
         for (size_t i = 0; i < 500 * each; i++) {
             records[i] = (unsigned char)prng_next(&random);
         }

@@ -57,9 +57,9 @@ static void stage(struct farm *farm, uint32_t i, uint32_t step)
 static void step_one(struct farm *farm, uint32_t i, uint32_t step,
                      struct eng_scene *lender)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = step == 3 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
-    settings.mode = (enum pccd_mode)(step % PCCD_MODE_COUNT);
+    struct eng_question settings =
+        kit_contacts((enum pccd_mode)(step % PCCD_MODE_COUNT),
+                     step == 3 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE);
     settings.scratch_from = lender;
     stage(farm, i, step);
     farm->results[i] = kit_step(farm->scenes[i], &settings);

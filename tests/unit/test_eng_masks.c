@@ -81,9 +81,7 @@ static struct eng_step_result step(struct crowd *crowd,
 static struct eng_step_result step_in(struct crowd *crowd, enum pccd_mode mode,
                                       enum pccd_method method)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
-    settings.method = method;
+    struct eng_question settings = kit_contacts(mode, method);
     return step(crowd, &settings);
 }
 
@@ -99,11 +97,7 @@ struct records {
 static struct records copy_of(const struct eng_step_result *result)
 {
     struct records records = {NULL, result->count, result->record_bytes};
-    records.bytes = malloc(records.count * records.size + 1);
-    assert_non_null(records.bytes);
-    if (records.count > 0) {
-        memcpy(records.bytes, result->records, records.count * records.size);
-    }
+    records.bytes = test_copy(result->records, records.count * records.size);
     return records;
 }
 

@@ -1,4 +1,5 @@
-/* test_eng_merge.c - many lists become one answer, by any number of threads. */
+/* test_eng_merge.c - the records of a step: kept, and merged into one answer by any
+ * number of threads. */
 #include "eng_kit.h"
 
 #include <pthread.h>
@@ -157,8 +158,7 @@ static int compare_contacts(const void *a, const void *b)
 /* All records, sorted by the C library. */
 static void *expect(const struct fixture *f, uint32_t count)
 {
-    unsigned char *copy = malloc((size_t)count * f->record_bytes + 1);
-    assert_non_null(copy);
+    unsigned char *copy = test_room((size_t)count * f->record_bytes);
     unsigned char *to = copy;
     for (uint32_t t = 0; t < f->threads; t++) {
         for (const struct eng_block *block = f->found[t].first; block;
@@ -464,4 +464,233 @@ CASE_WITH(merge__buckets_are_even_beside_a_list_of_nothing, setup, teardown)
         assert_int_equal(f->out.count, 100000);
         check_evenness(f, 100000);
     }
+}
+
+/* ---- what two workers have found, by one thread ----------------------------------- */
+
+static void begin(struct fixture *f, uint32_t record_bytes, uint64_t limit)
+{
+    f->threads = 1;
+    f->record_bytes = record_bytes;
+    eng_pool_reset(&f->pool, 2);
+    for (int i = 0; i < 2; i++) {
+        eng_found_begin(&f->found[i], &f->pool, record_bytes, limit);
+    }
+}
+
+static void sort(struct fixture *f)
+{
+    struct eng_counts counts;
+    uint64_t hash[2];
+    assert_ok(merge(f, 2, &counts, hash));
+    assert_true(f->out.count > 0 || counts.toi_first == 2);
+}
+
+/* If it failed: a step without contacts would have an answer of the wrong form. */
+CASE_WITH(result__nothing_sorts_to_nothing, setup, teardown)
+{
+    struct fixture *f = *state;
+    begin(f, sizeof(struct pccd_pair), NO_LIMIT);
+    sort(f);
+    assert_int_equal(f->out.count, 0);
+    assert_int_equal(f->out.record_bytes, sizeof(struct pccd_pair));
+    assert_int_equal(f->merge.total, 0);
+}
+
+static const struct pccd_pair no_name = {0, 0, 0, 0, 0};
+
+static void add_empty(struct eng_found *found)
+{
+    unsigned char *record = eng_found_add(found, &no_name);
+    assert_non_null(record);
+    memset(record, 0, sizeof(struct pccd_contact));
+}
+
+/* If it failed: a cut answer would look complete, or a full one cut. */
+CASE_WITH(result__limit_is_kept_and_told, setup, teardown)
+{
+    struct fixture *f = *state;
+    struct eng_found *found = &f->found[0];
+    const uint64_t limits[] = {0, 1, 5, 1022, 1023, 1024, 3000};
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        begin(f, sizeof(struct pccd_contact), limits[i]);
+        for (uint64_t k = 0; k < limits[i]; k++) {
+            add_empty(found);
+        }
+        assert_false(found->overflowed);
+        assert_int_equal(found->count, limits[i]);
+        sort(f);
+        assert_int_equal(f->out.count, limits[i]);
+        assert_int_equal(f->merge.total, limits[i]);
+        eng_found_add(found, &no_name);
+        sort(f);
+        assert_int_equal(f->out.count, limits[i]);
+        assert_true(found->overflowed || f->merge.total > limits[i]);
+        begin(f, sizeof(struct pccd_pair), limits[i]);
+        assert_false(found->overflowed); /* a new step begins afresh */
+        assert_int_equal(found->count, 0);
+    }
+}
+
+/* Names whose keys are one word. */
+#define OBJECT_MOST  3u
+#define FEATURE_MOST 0xfffffu
+
+static struct pccd_pair small_name(struct prng *random)
+{
+    return (struct pccd_pair){prng_u32(random, 2), prng_u32(random, OBJECT_MOST + 1),
+                              prng_u32(random, FEATURE_MOST + 1),
+                              prng_u32(random, OBJECT_MOST + 1),
+                              prng_u32(random, FEATURE_MOST + 1)};
+}
+
+/* Records all[count], as many at a time as a random number says. */
+static void add_many(struct eng_found *found, const struct pccd_pair *all, uint32_t count,
+                     struct prng *random)
+{
+    const struct eng_name_range range = {
+        .high = {{1, OBJECT_MOST, FEATURE_MOST, OBJECT_MOST, FEATURE_MOST}}};
+    assert_true(eng_found_expect(found, &range));
+    for (uint32_t k = 0; k < count;) {
+        void *slots;
+        uint64_t *keys;
+        uint32_t wanted = 1 + prng_u32(random, 700);
+        wanted = wanted < count - k ? wanted : count - k;
+        uint32_t n = eng_found_open(found, wanted, &slots, &keys);
+        assert_in_range(n, 0, wanted);
+        if (n == 0) {
+            eng_found_add(found, &all[k++]);
+            continue;
+        }
+        n = prng_u32(random, 2) ? n : 1 + prng_u32(random, n);
+        memcpy(slots, &all[k], n * sizeof *all);
+        for (uint32_t i = 0; i < n; i++) {
+            struct eng_name name;
+            memcpy(&name, &all[k + i], sizeof name);
+            keys[i] = eng_order_key(&found->order, &name);
+        }
+        eng_found_close(found, n);
+        k += n;
+    }
+}
+
+/* Records beyond a limit, one by one or many at a time, against qsort. */
+static void check_long_list(struct fixture *f, struct prng *random, uint64_t limit,
+                            bool many_at_a_time)
+{
+    static struct pccd_pair all[20000];
+    const uint32_t count = sizeof all / sizeof *all;
+    struct eng_found *found = &f->found[0];
+    begin(f, sizeof(struct pccd_pair), limit);
+    for (uint32_t k = 0; k < count; k++) {
+        struct eng_name name = name_of(WIDE, random, k, count);
+        memcpy(&all[k], &name, sizeof all[k]);
+        all[k] = many_at_a_time ? small_name(random) : all[k];
+        if (!many_at_a_time) {
+            eng_found_add(found, &all[k]);
+            assert_in_range(found->count, 0, limit + limit / 4 + found->per_block);
+        }
+    }
+    if (many_at_a_time) {
+        add_many(found, all, count, random);
+        assert_in_range(found->count, 0, limit + limit / 4 + found->per_block);
+    }
+    qsort(all, count, sizeof *all, compare_pairs);
+    assert_true(found->overflowed == (limit < count));
+    sort(f);
+    assert_int_equal(f->out.count, limit);
+    assert_memory_equal(f->out.data, all, limit * sizeof *all);
+}
+
+/* If it failed: a list would grow without a bound, or keep what came first instead of
+ * what is first. */
+CASE_WITH(result__long_list_keeps_the_first_in_order, setup, teardown)
+{
+    const uint64_t limits[] = {1, 700, 4000, 10000};
+    struct prng random = {84};
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        check_long_list(*state, &random, limits[i], false);
+    }
+}
+
+/* If it failed: what a chunk finds at once would be kept otherwise than what is found one
+ * by one: lost, without a limit, or out of order. */
+CASE_WITH(result__many_at_a_time_are_kept_as_one_by_one, setup, teardown)
+{
+    const uint64_t limits[] = {0, 1, 700, 4000, 10000, 20000};
+    struct prng random = {85};
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        check_long_list(*state, &random, limits[i], true);
+    }
+}
+
+/* If it failed: names of which a word does not hold the keys would lose bits of these. */
+CASE_WITH(result__keys_of_several_words_are_not_kept, setup, teardown)
+{
+    struct fixture *f = *state;
+    const struct eng_name_range range = {.high = {{1, 3, UINT32_MAX, 3, UINT32_MAX / 2}}};
+    begin(f, sizeof(struct pccd_pair), NO_LIMIT);
+    assert_false(eng_found_expect(&f->found[0], &range));
+    assert_false(f->found[0].has_keys);
+}
+
+/* If it failed: two workers would keep twice what one may. */
+CASE_WITH(result__limit_counts_all_workers_together, setup, teardown)
+{
+    struct fixture *f = *state;
+    begin(f, sizeof(struct pccd_contact), 100);
+    for (int k = 0; k < 120; k++) {
+        add_empty(&f->found[k % 2]);
+    }
+    sort(f);
+    assert_int_equal(f->merge.total, 120);
+    assert_int_equal(f->out.count, 100);
+}
+
+/* If it failed: every step would allocate again. */
+CASE_WITH(result__memory_is_used_again, setup, teardown)
+{
+    struct fixture *f = *state;
+    struct prng random = {82};
+    uint64_t allocations = 0;
+    for (uint32_t i = 0; i < 14; i++) { /* contacts, and pairs, which are smaller */
+        f->threads = 2;
+        f->record_bytes = records[1 - i % 2];
+        fill(f, &random, WIDE, 5000, false);
+        f->threads = 1;
+        sort(f);
+        allocations = i < 4 ? eng_alloc_count() : allocations;
+        assert_int_equal(eng_alloc_count(), allocations);
+    }
+}
+
+static bool lies_in(const struct eng_block *block, const struct eng_block *memory,
+                    uint32_t count)
+{
+    return block >= memory && block < memory + count;
+}
+
+/* If it failed: a step would take memory beside what it was lent, or go on to use that
+ * when it is somebody else's again. */
+CASE_WITH(result__lent_memory_is_taken_first, setup, teardown)
+{
+    struct fixture *f = *state;
+    enum { LENT = 3, TAKEN = 9 };
+    static _Alignas(ENG_BLOCK_HEADER_BYTES) struct eng_block memory[LENT + 1];
+    for (int round = 0; round < 3; round++) {
+        eng_pool_reset(&f->pool, 1);
+        eng_pool_lend(&f->pool, memory, sizeof memory - 1);
+        for (int i = 0; i < TAKEN; i++) {
+            struct eng_block *block = eng_pool_take(&f->pool);
+            assert_non_null(block);
+            assert_true(lies_in(block, memory, LENT + 1) == (i < LENT));
+            assert_true(i >= LENT || block == &memory[i]);
+            memset(block->data, i, sizeof block->data);
+        }
+    }
+    eng_pool_reset(&f->pool, 1);
+    /* Its own are as many as it took of these, with a quarter and two more. */
+    assert_int_equal(eng_pool_bytes(&f->pool), 9 * sizeof *memory);
+    eng_pool_lend(&f->pool, NULL, 0);
+    assert_false(lies_in(eng_pool_take(&f->pool), memory, LENT + 1));
 }

@@ -327,7 +327,7 @@ CASE(mesh__every_feature_is_owned_exactly_once)
         pages[i][1] = 1 - i % 2;
         pages[i][2] = 2 + i;
     }
-    mesh = kit_mesh((const double(*)[3])x, 22, (const uint32_t(*)[3])pages, 20);
+    mesh = kit_mesh(x, 22, pages, 20);
     check_ownership(mesh);
     eng_mesh_release(mesh);
 
@@ -339,8 +339,7 @@ CASE(mesh__every_feature_is_owned_exactly_once)
         for (uint32_t i = 0; i < 90; i++) {
             triangles[i / 3][i % 3] = prng_u32(&random, vertices);
         }
-        mesh = kit_mesh((const double(*)[3])x, vertices, (const uint32_t(*)[3])triangles,
-                        1 + prng_u32(&random, 30));
+        mesh = kit_mesh(x, vertices, triangles, 1 + prng_u32(&random, 30));
         check_ownership(mesh);
         eng_mesh_release(mesh);
     }
@@ -364,8 +363,7 @@ CASE(mesh__many_edges_at_a_vertex_are_like_few)
             fan[RIM + i][k] = fan[5][(k + i) % 3];
         }
     }
-    struct eng_mesh *mesh =
-        kit_mesh((const double(*)[3])x, RIM + 1, (const uint32_t(*)[3])fan, RIM + TWICE);
+    struct eng_mesh *mesh = kit_mesh(x, RIM + 1, fan, RIM + TWICE);
     assert_int_equal(mesh->info.edge_count, 2 * RIM);
     assert_int_equal(mesh->info.duplicate_count, TWICE);
     check_order(mesh);

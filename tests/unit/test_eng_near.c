@@ -81,9 +81,7 @@ CASE(near__folds_features_before_it_cuts)
     struct eng_step_result result = kit_ask(&settings);
     uint64_t count = result.count;
     uint64_t pairs = 0;
-    struct pccd_near *all = calloc(count, sizeof *all);
-    assert_non_null(all);
-    memcpy(all, result.records, count * sizeof *all);
+    struct pccd_near *all = test_copy(result.records, count * sizeof *all);
     for (uint64_t i = 0; i < count; i++) {
         pairs += all[i].count;
     }
@@ -348,7 +346,7 @@ static void add_strip(double from, double to)
             triangles[i][k] = i + k;
         }
     }
-    kit_put(kit_mesh((const double(*)[3])x, 12, (const uint32_t(*)[3])triangles, 10));
+    kit_put(kit_mesh(x, 12, triangles, 10));
 }
 
 /* If it failed: where a scene is so sparse that gaps between its objects are shortened,

@@ -24,8 +24,7 @@ static struct eng_mesh *boxes(const struct box *box, uint32_t count)
         }
         eng_mesh_release(mesh);
     }
-    return kit_mesh((const double(*)[3])x, 8 * count, (const uint32_t(*)[3])corners,
-                    12 * count);
+    return kit_mesh(x, 8 * count, corners, 12 * count);
 }
 
 static struct eng_mesh *cube(double low, double high)
@@ -39,7 +38,7 @@ static struct eng_mesh *spike(double x, double y, double z)
 {
     double corner[4][3] = {{x, y, z}, {90, 1, 2}, {90, 7, -3}, {90, -4, 9}};
     static const uint32_t faces[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
-    return kit_mesh((const double(*)[3])corner, 4, faces, 4);
+    return kit_mesh(corner, 4, faces, 4);
 }
 
 static struct eng_step_result ask(struct eng_mesh *a, struct eng_mesh *b)
@@ -185,8 +184,8 @@ static struct eng_mesh *part(struct box box, uint64_t own, bool is_open)
     struct eng_mesh *whole = boxes(&box, 1);
     uint32_t corners[12][3];
     eng_mesh_get_corners(whole, corners);
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])eng_mesh_vertices(whole), 8,
-                                     (const uint32_t(*)[3])corners, is_open ? 11 : 12);
+    struct eng_mesh *mesh =
+        kit_mesh(eng_mesh_vertices(whole), 8, corners, is_open ? 11 : 12);
     assert_ok(eng_mesh_set_own(mesh, &own, &own));
     eng_mesh_release(whole);
     return mesh;

@@ -142,7 +142,7 @@ CASE(nearest__is_told_from_one_that_is_hardly_farther)
                            {-0.4, 0.1, 0},  {-0.3, 0, 3}, {0, -0.3, 3}};
     static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
     spikes[3][2] = nextafter(0.7, 0);
-    kit_begin_with(triangle(floor), kit_mesh((const double(*)[3])spikes, 6, corners, 2));
+    kit_begin_with(triangle(floor), kit_mesh(spikes, 6, corners, 2));
     struct eng_step_result result = kit_ask_for(PCCD_NEAR_NEAREST);
     assert_int_equal(kit_record(&result, 0)->feature_a, 3);
 }

@@ -21,8 +21,7 @@ CASE(order__has_every_feature_once_in_tight_groups)
         triangles[i][1] = i + 1;
         triangles[i][2] = i; /* an edge and a face for each pair of neighbours */
     }
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, STRIP + 3,
-                                     (const uint32_t(*)[3])triangles, STRIP);
+    struct eng_mesh *mesh = kit_mesh(x, STRIP + 3, triangles, STRIP);
     struct eng_wide_order *order;
     assert_ok(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, 1, &order));
     assert_int_equal(order->count[PCCD_TREE_VERTICES], STRIP + 1);
@@ -132,8 +131,7 @@ static struct eng_mesh *sheets(uint32_t count, uint32_t times)
             x[vertices][2] = 0.01 * i;
         }
     }
-    return kit_mesh((const double(*)[3])x, vertices, (const uint32_t(*)[3])triangles,
-                    made);
+    return kit_mesh(x, vertices, triangles, made);
 }
 
 /* If it failed: how fast a step is would depend on how many threads there were when its

@@ -21,8 +21,7 @@ static void start(double ratio, uint32_t region_triangles)
 
 static struct eng_question team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_PAPER;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ALL, PCCD_METHOD_PAPER);
     settings.threads = threads;
     settings.team_always = true;
     settings.tuning.scheduler = scheduler;
@@ -86,9 +85,7 @@ CASE(rebuild__next_step_refits_what_this_one_left)
     uint32_t root = eng_trees_of(blast.scene)->root;
     size_t bytes = eng_paper_object_of(&blast.scene->objects[blast.idx])->nodes.count *
                    sizeof(struct eng_node);
-    struct eng_node *nodes = malloc(bytes);
-    assert_non_null(nodes);
-    memcpy(nodes, eng_trees_of(blast.scene)->nodes + root, bytes);
+    struct eng_node *nodes = test_copy(eng_trees_of(blast.scene)->nodes + root, bytes);
     struct eng_step_result again = stand_still(0.3);
     assert_int_equal(again.counters.rebuilds, 0);
     assert_memory_equal(eng_trees_of(blast.scene)->nodes + root, nodes, bytes);
@@ -100,8 +97,7 @@ CASE(rebuild__next_step_refits_what_this_one_left)
 CASE(rebuild__good_nodes_are_left_alone)
 {
     static double x[BLAST_VERTICES][3];
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_PAPER;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ALL, PCCD_METHOD_PAPER);
     struct eng_step_result result;
     start(0.9, 300);
     for (uint32_t step = 1; step < STEPS; step++) {
@@ -125,8 +121,7 @@ CASE(rebuild__good_nodes_are_left_alone)
 CASE(rebuild__nodes_that_stay_poor_are_built_once)
 {
     struct prng random = {62};
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_PAPER;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ALL, PCCD_METHOD_PAPER);
     uint32_t idx;
     uint32_t poor = 0;
     struct eng_scene *scene = kit_scene();
@@ -341,8 +336,7 @@ CASE(rebuild__warm_steps_allocate_nothing)
 static void fly_apart(struct eng_scene *scene, const uint32_t *objects, double t,
                       struct eng_step_result *result)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_PAPER;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ALL, PCCD_METHOD_PAPER);
     struct prng random = {63};
     eng_stage_begin(scene);
     for (uint32_t i = 0; i < OBJECTS; i++) {

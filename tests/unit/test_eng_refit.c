@@ -26,9 +26,7 @@ static struct eng_scene *new_scene(struct prng *random, uint32_t objects)
 static void run(struct eng_scene *scene)
 {
     const atomic_bool cancel = true;
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_PAPER;
-    settings.mode = PCCD_MODE_ANY;
+    struct eng_question settings = kit_contacts(PCCD_MODE_ANY, PCCD_METHOD_PAPER);
     settings.cancel = &cancel;
     kit_step(scene, &settings);
 }
@@ -140,23 +138,15 @@ struct snapshot {
     struct eng_vertex *vertices;
 };
 
-static void *copy_of(const void *data, size_t bytes)
-{
-    void *copy = malloc(bytes);
-    assert_non_null(copy);
-    memcpy(copy, data, bytes);
-    return copy;
-}
-
 static struct snapshot snap(const struct eng_scene *scene)
 {
     return (struct snapshot){
-        copy_of(eng_trees_of(scene)->nodes, eng_trees_of(scene)->node_ranges.end *
-                                                sizeof *eng_trees_of(scene)->nodes),
-        copy_of(eng_trees_of(scene)->edges, eng_trees_of(scene)->edge_ranges.end *
-                                                sizeof *eng_trees_of(scene)->edges),
-        copy_of(eng_trees_of(scene)->vertices,
-                scene->vertex_ranges.end * sizeof *eng_trees_of(scene)->vertices)};
+        test_copy(eng_trees_of(scene)->nodes, eng_trees_of(scene)->node_ranges.end *
+                                                  sizeof *eng_trees_of(scene)->nodes),
+        test_copy(eng_trees_of(scene)->edges, eng_trees_of(scene)->edge_ranges.end *
+                                                  sizeof *eng_trees_of(scene)->edges),
+        test_copy(eng_trees_of(scene)->vertices,
+                  scene->vertex_ranges.end * sizeof *eng_trees_of(scene)->vertices)};
 }
 
 static void drop(struct snapshot *snapshot)

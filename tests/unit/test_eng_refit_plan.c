@@ -20,9 +20,8 @@ struct fixture {
 
 static int setup(void **state)
 {
-    struct fixture *f = calloc(1, sizeof *f);
+    struct fixture *f = test_room(sizeof *f);
     struct prng random = {11};
-    assert_non_null(f);
     f->scene = kit_scene();
     for (uint32_t i = 0; i < OBJECT_COUNT; i++) {
         kit_add(f->scene, kit_soup(&random, sizes[i]), i);
@@ -52,9 +51,8 @@ static void divide(struct fixture *f, enum eng_refit_scheme scheme, uint32_t thr
 static void check_tree(const struct fixture *f)
 {
     const struct eng_refit_plan *plan = &f->plan;
-    uint32_t *children = calloc(plan->opened_count + 1, sizeof *children);
+    uint32_t *children = test_room((plan->opened_count + 1) * sizeof *children);
     uint64_t triangles = 0;
-    assert_non_null(children);
     for (uint32_t i = 0; i < plan->opened_count; i++) {
         uint32_t parent = plan->opened_parent[i];
         assert_int_equal(atomic_load(&plan->unfinished[i]), 2);
@@ -182,9 +180,7 @@ CASE_WITH(refit_plan__every_subtree_is_refit_as_a_whole, setup, teardown)
     eng_refit(scene);
     size_t bytes =
         eng_trees_of(scene)->node_ranges.end * sizeof *eng_trees_of(scene)->nodes;
-    void *expected = malloc(bytes);
-    assert_non_null(expected);
-    memcpy(expected, eng_trees_of(scene)->nodes, bytes);
+    void *expected = test_copy(eng_trees_of(scene)->nodes, bytes);
     for (uint32_t i = 0; i < eng_trees_of(scene)->top.count; i++) {
         uint32_t root = eng_trees_of(scene)->top.first + i;
         forget(scene, eng_trees_of(scene)->top);

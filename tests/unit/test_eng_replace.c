@@ -57,14 +57,6 @@ static uint64_t step(struct fixture *f, double z)
     return result.hash[1];
 }
 
-static void *copy_of(const void *block, size_t bytes)
-{
-    void *copy = malloc(bytes);
-    assert_non_null(copy);
-    memcpy(copy, block, bytes);
-    return copy;
-}
-
 /* If it failed: a replaced object would answer otherwise than one made so. */
 CASE_WITH(replace__answers_as_a_fresh_object, set_up, tear_down)
 {
@@ -132,8 +124,8 @@ CASE_WITH(replace__touches_nothing_but_its_object, set_up, tear_down)
     assert_true(range.count > 0);
     size_t node_bytes = range.count * sizeof *eng_trees_of(f->scene)->nodes;
     size_t x_bytes = before.vertices.count * sizeof *f->scene->x[0];
-    void *nodes = copy_of(eng_trees_of(f->scene)->nodes + range.first, node_bytes);
-    void *x = copy_of(f->scene->x[f->scene->now] + before.vertices.first, x_bytes);
+    void *nodes = test_copy(eng_trees_of(f->scene)->nodes + range.first, node_bytes);
+    void *x = test_copy(f->scene->x[f->scene->now] + before.vertices.first, x_bytes);
     uint64_t builds = f->scene->builds;
     uint32_t idx;
     assert_ok(eng_scene_replace(f->scene, f->low, f->finer));

@@ -27,9 +27,7 @@ static void start(void)
     assert_ok(eng_mesh_sort_features(mesh, 1));
     soup.scene = kit_scene();
     soup.idx = kit_add(soup.scene, mesh, 1);
-    soup.x = malloc(sizeof soup.rest);
-    assert_non_null(soup.x);
-    memcpy(soup.x, soup.rest, sizeof soup.rest);
+    soup.x = test_copy(soup.rest, sizeof soup.rest);
     for (uint32_t i = 0; i < COUNT; i++) {
         uint32_t other = prng_u32(&random, i + 1);
         soup.place[i] = soup.place[other];
@@ -53,9 +51,7 @@ static void shuffle(void)
 
 static struct eng_step_result step(enum pccd_mode mode, uint32_t threads)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_WIDE;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_WIDE);
     settings.threads = threads;
     settings.team_always = true;
     settings.tuning.still = ENG_STILL_ANEW; /* the shuffled soup then stands */
@@ -87,9 +83,7 @@ static struct eng_step_result until_sorted(uint32_t threads, uint32_t *steps)
 /* A step in which the soup moves a little to and fro and all else stands. */
 static struct eng_step_result step_to_and_fro(uint32_t number)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_WIDE;
-    settings.mode = PCCD_MODE_PAIRS;
+    struct eng_question settings = kit_contacts(PCCD_MODE_PAIRS, PCCD_METHOD_WIDE);
     for (uint32_t v = 0; v < VERTICES; v++) {
         soup.x[v][0] += number % 2 == 0 ? 0x1p-20 : -0x1p-20;
     }
@@ -137,8 +131,7 @@ CASE(resort__makes_a_mixed_soup_as_good_as_new)
         assert_true(10 * sorted.counters.box_tests < 11 * fresh.counters.box_tests);
         assert_int_equal(sorted.hash[1], mixed.hash[1]);
         assert_int_equal(sorted.count, mixed.count);
-        assert_int_equal(eng_wide_resort_bytes(&eng_wide_state_of(soup.scene)->resort),
-                         0);
+        assert_ok(eng_wide_resort_bytes(&eng_wide_state_of(soup.scene)->resort));
         end();
     }
 }
@@ -159,9 +152,7 @@ CASE(order__is_the_meshs_until_an_object_needs_another)
     assert_ptr_equal(eng_wide_order_of(&other->objects[idx]), mesh->order);
     assert_ptr_equal(eng_wide_order_of(&soup.scene->objects[soup.idx]), mesh->order);
     size_t bytes = mesh->order->count[PCCD_TREE_FACES] * sizeof(uint32_t);
-    uint32_t *faces = malloc(bytes);
-    assert_non_null(faces);
-    memcpy(faces, mesh->order->feature[PCCD_TREE_FACES], bytes);
+    uint32_t *faces = test_copy(mesh->order->feature[PCCD_TREE_FACES], bytes);
     step(PCCD_MODE_PAIRS, 1);
     shuffle();
     (void)until_sorted(1, &steps);
@@ -327,8 +318,7 @@ static uint32_t add_pieces(struct eng_scene *scene, const double (*x)[3])
         memcpy(triangles[count], two, sizeof two);
         count += 2;
     }
-    struct eng_mesh *mesh =
-        kit_mesh(x, PIECES * SHEET, (const uint32_t(*)[3])triangles, count);
+    struct eng_mesh *mesh = kit_mesh(x, PIECES * SHEET, triangles, count);
     idx = kit_add(scene, mesh, 1);
     return idx;
 }
@@ -337,9 +327,7 @@ static uint32_t add_pieces(struct eng_scene *scene, const double (*x)[3])
 static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
                                           const double (*x)[3])
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.method = PCCD_METHOD_WIDE;
-    settings.mode = PCCD_MODE_PAIRS;
+    struct eng_question settings = kit_contacts(PCCD_MODE_PAIRS, PCCD_METHOD_WIDE);
     settings.tuning.still = ENG_STILL_ANEW;
     eng_stage_begin(scene);
     assert_ok(eng_stage_x0x1(scene, idx, PCCD_FORMAT_F64, 0, PIECES * SHEET, x, x));

@@ -69,9 +69,7 @@ static struct eng_step_result run_with(struct fixture *f,
 
 static struct eng_step_result run(struct fixture *f, enum pccd_mode mode)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
-    settings.method = PCCD_METHOD_PAPER;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_PAPER);
     struct eng_step_result result = run_with(f, &settings);
     assert_int_equal(result.incomplete, PCCD_COMPLETE);
     assert_int_equal(result.mode, mode);
@@ -81,12 +79,7 @@ static struct eng_step_result run(struct fixture *f, enum pccd_mode mode)
 /* A copy of the records, for the scene's memory changes with the next step. */
 static void *copy_records(const struct eng_step_result *result)
 {
-    void *copy = malloc(result->count * result->record_bytes + 1);
-    assert_non_null(copy);
-    if (result->count > 0) {
-        memcpy(copy, result->records, result->count * result->record_bytes);
-    }
-    return copy;
+    return test_copy(result->records, result->count * result->record_bytes);
 }
 
 /* The literals are of version 1 of the hash, so that they outlive any other. */
@@ -238,10 +231,7 @@ CASE(step__first_is_found_whatever_is_found_before)
         }
         struct eng_scene *scene = kit_scene();
         add(scene, kit_sheet(1 + (uint32_t)round % 3, 0), 1);
-        add(scene,
-            kit_mesh((const double(*)[3])x, 3 * RAIN, (const uint32_t(*)[3])triangles,
-                     RAIN),
-            2);
+        add(scene, kit_mesh(x, 3 * RAIN, triangles, RAIN), 2);
         settings.mode = PCCD_MODE_FIRST;
         settings.method = round % 2 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
         eng_stage_begin(scene);
@@ -364,8 +354,7 @@ static struct eng_scene *make_spikes(void)
         }
     }
     struct eng_mesh *meshes[2] = {kit_mesh(floor, 4, halves, 2),
-                                  kit_mesh((const double(*)[3])x, 3 * SPIKES,
-                                           (const uint32_t(*)[3])corners, SPIKES)};
+                                  kit_mesh(x, 3 * SPIKES, corners, SPIKES)};
     struct eng_scene *scene = kit_scene();
     for (uint32_t i = 0; i < 2; i++) {
         kit_add(scene, meshes[i], i + 1);
@@ -392,9 +381,8 @@ CASE(step__keeps_the_first_of_the_earliest)
     struct eng_scene *scene = make_spikes();
     struct pccd_contact first[KEPT];
     for (uint32_t round = 0; round < 3 * 2; round++) {
-        struct eng_question settings = ENG_QUESTION_DEFAULT;
-        settings.mode = PCCD_MODE_FIRST;
-        settings.method = round % 2 == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
+        struct eng_question settings = kit_contacts(
+            PCCD_MODE_FIRST, round % 2 == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER);
         settings.threads = 1 + round / 2;
         settings.team_always = true;
         struct eng_step_result result = fall(scene, &settings);
@@ -462,8 +450,7 @@ static struct eng_scene *hostile_scene(void)
         x[i / 360][i % 360 / 3][i % 3] = prng_integer(&random, 3) * scale;
         triangles[i % 120 / 3][i % 3] = i % 120;
     }
-    add(scene,
-        kit_mesh((const double(*)[3])x[0], 120, (const uint32_t(*)[3])triangles, 40), 1);
+    add(scene, kit_mesh(x[0], 120, triangles, 40), 1);
     eng_stage_begin(scene);
     assert_ok(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 120, x[1]));
     return scene;
@@ -536,8 +523,8 @@ CASE(step__empty_scene_and_single_object_have_no_contacts)
     struct eng_scene *scene = kit_scene();
     for (int objects = 0; objects < 2; objects++) {
         for (int mode = PCCD_MODE_ALL; mode < PCCD_MODE_COUNT; mode++) {
-            struct eng_question settings = ENG_QUESTION_DEFAULT;
-            settings.mode = (enum pccd_mode)mode;
+            struct eng_question settings =
+                kit_contacts((enum pccd_mode)mode, PCCD_METHOD_DEFAULT);
             struct eng_step_result result = kit_step(scene, &settings);
             assert_int_equal(result.incomplete, PCCD_COMPLETE);
             assert_true(mode == PCCD_MODE_PAIRS || result.count == 0);
@@ -581,9 +568,8 @@ CASE(step__one_object_meets_itself)
 /* A range of nodes. The caller frees it. */
 static struct eng_node *copy_nodes(const struct eng_scene *scene, struct eng_range range)
 {
-    struct eng_node *nodes = malloc(range.count * sizeof *nodes);
-    assert_non_null(nodes);
-    memcpy(nodes, eng_trees_of(scene)->nodes + range.first, range.count * sizeof *nodes);
+    struct eng_node *nodes =
+        test_copy(eng_trees_of(scene)->nodes + range.first, range.count * sizeof *nodes);
     return nodes;
 }
 

@@ -21,27 +21,17 @@ static struct eng_mesh *random_mesh(struct prng *random)
     };
     double x[24][3];
     uint32_t named[3 * 20];
-    uint32_t bad;
-    struct eng_mesh *mesh;
     double flat = prng_u32(random, 4) == 0 ? 0 : 1; /* all in a plane, now and then */
     for (uint32_t i = 0; i < counts.vertices; i++) {
         for (int k = 0; k < 3; k++) {
             x[i][k] = prng_between(random, -1, 1) * (k == 2 ? flat : 1);
         }
     }
-    assert_ok(eng_mesh_make(&counts, &mesh));
-    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, counts.vertices, x));
     for (uint32_t i = 0; i < 3 * 20; i++) {
         named[i] = prng_u32(random, counts.vertices);
     }
-    if (counts.triangles > 0) {
-        assert_ok(eng_mesh_write_triangles(mesh, 0, counts.triangles, named, &bad));
-    }
-    if (counts.edges > 0) {
-        assert_ok(eng_mesh_write_edges(mesh, 0, counts.edges, named + 30, &bad));
-    }
-    assert_ok(eng_mesh_write_points(mesh, 0, counts.points, named + 50, &bad));
-    assert_ok(eng_mesh_commit(mesh));
+    struct eng_mesh *mesh =
+        kit_mesh_of(&(struct kit_shape){counts, x, named, named + 30, named + 50, NULL});
     assert_ok(eng_body_tree_prepare(mesh, NULL, NULL));
     return mesh;
 }
@@ -103,8 +93,7 @@ static void check_below(const struct eng_body *body, uint32_t node, uint32_t dep
 static void check_body(const struct eng_body *body)
 {
     uint32_t above[64][2];
-    uint32_t *found = calloc(body->mesh->leaf_count, sizeof *found);
-    assert_non_null(found);
+    uint32_t *found = test_room(body->mesh->leaf_count * sizeof *found);
     check_below(body, 0, 0, above, found);
     for (uint32_t i = 0; i < body->mesh->leaf_count; i++) {
         assert_int_equal(found[i], 1);
@@ -152,8 +141,7 @@ CASE(boxes__hold_their_leaves_wherever_they_are)
     for (int n = 0; n < 200; n++) {
         struct eng_mesh *mesh = random_mesh(&random);
         uint32_t count = mesh->info.vertex_count;
-        double(*x)[3] = calloc(2 * count, sizeof *x);
-        assert_non_null(x);
+        double(*x)[3] = test_room(2 * count * sizeof *x);
         double scale = ldexp(1, (int)prng_u32(&random, 80) - 40);
         for (uint32_t i = 0; i < 2 * count; i++) {
             for (int k = 0; k < 3; k++) {
@@ -217,8 +205,7 @@ static bool should_stop(void *owner)
 
 static struct hunt *hunt_new(void)
 {
-    struct hunt *hunt = calloc(1, sizeof *hunt);
-    assert_non_null(hunt);
+    struct hunt *hunt = test_room(sizeof *hunt);
     assert_ok(eng_sweep_init(&hunt->sweep));
     assert_ok(eng_distances_init(&hunt->distances));
     hunt->sweep.take = take;
@@ -377,8 +364,7 @@ static void check_moment(const struct hunt *hunt, double t)
 /* Where the points of a mesh are at the end of a step. */
 static double (*random_end(struct prng *random, const struct eng_mesh *mesh))[3]
 {
-    double(*x)[3] = calloc(mesh->info.vertex_count, sizeof *x);
-    assert_non_null(x);
+    double(*x)[3] = test_room(mesh->info.vertex_count * sizeof *x);
     for (uint32_t i = 0; i < mesh->info.vertex_count; i++) {
         for (int k = 0; k < 3; k++) {
             x[i][k] = mesh->x[i][k] + prng_between(random, -0.5, 0.5);
@@ -456,7 +442,7 @@ static struct eng_mesh *wall_at(double x)
         const uint32_t both[2][3] = {{at, at + 1, at + 9}, {at + 1, at + 10, at + 9}};
         memcpy(t[2 * i], both, sizeof both);
     }
-    return kit_mesh((const double(*)[3])v, 81, (const uint32_t(*)[3])t, 128);
+    return kit_mesh(v, 81, t, 128);
 }
 
 /* If it failed: a wall that is beside a box at both ends of a span, and goes through it
@@ -529,9 +515,7 @@ CASE(tasks__have_each_pair_once)
     assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
     sort_found(hunt);
     uint32_t whole = hunt->found_count;
-    struct eng_sweep_pair *all = calloc(whole, sizeof *all);
-    assert_non_null(all);
-    memcpy(all, hunt->found, whole * sizeof *all);
+    struct eng_sweep_pair *all = test_copy(hunt->found, whole * sizeof *all);
     for (uint32_t most = 1; most <= 64; most *= 2) {
         hunt_begin(hunt);
         uint32_t count = eng_sweep_split(&hunt->sweep, most, tasks);
@@ -685,9 +669,8 @@ CASE(boxes__ask_often_whether_to_stop)
     enum { SIDE = 150, VERTICES = (SIDE + 1) * (SIDE + 1) };
     struct hunt *hunt = hunt_new();
     struct eng_body *body = &hunt->body[0];
-    double(*x)[3] = calloc(VERTICES, sizeof *x);
+    double(*x)[3] = test_room(VERTICES * sizeof *x);
     hunt->mesh[0] = kit_sheet(SIDE, 0);
-    assert_non_null(x);
     assert_ok(eng_body_tree_prepare(hunt->mesh[0], NULL, NULL));
     body->should_stop = should_stop;
     body->owner = hunt;

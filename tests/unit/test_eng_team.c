@@ -16,11 +16,7 @@ CASE_WITH(team__same_records_for_any_number_of_threads, crew_setup, crew_teardow
         assert_int_equal(alone.incomplete, PCCD_COMPLETE);
         assert_true(mode == PCCD_MODE_ANY || alone.count > 0);
         size_t bytes = alone.count * alone.record_bytes;
-        void *records = malloc(bytes + 1);
-        assert_non_null(records);
-        if (bytes > 0) {
-            memcpy(records, alone.records, bytes);
-        }
+        void *records = test_copy(alone.records, bytes);
         for (size_t i = 0; i < crew_count(); i++) {
             for (int round = 0; round < 3; round++) {
                 struct eng_step_result team =
@@ -65,9 +61,7 @@ CASE_WITH(team__refit_gives_the_same_boxes, crew_setup, crew_teardown)
                    sizeof *eng_trees_of(crew->scene)->nodes;
     crew->scene->settings.rebuild_ratio = 1e-9; /* nothing is as poor: the same nodes */
     crew_run(crew, crew_alone(PCCD_MODE_ANY));
-    void *nodes = malloc(bytes);
-    assert_non_null(nodes);
-    memcpy(nodes, eng_trees_of(crew->scene)->nodes, bytes);
+    void *nodes = test_copy(eng_trees_of(crew->scene)->nodes, bytes);
     for (size_t i = 0; i < crew_count(); i++) {
         memset(eng_trees_of(crew->scene)->nodes[eng_trees_of(crew->scene)->root].lo0,
                0xff, 12); /* must be written again */
@@ -197,8 +191,7 @@ CASE_WITH(team__first_is_what_all_says_it_is, crew_setup, crew_teardown)
     struct crew *crew = *state;
     uint32_t pairs;
     fill_pairs(x0, x1, triangles);
-    struct eng_mesh *mesh = kit_mesh((const double(*)[3])x0, 6 * PAIRS,
-                                     (const uint32_t(*)[3])triangles, 2 * PAIRS);
+    struct eng_mesh *mesh = kit_mesh(x0, 6 * PAIRS, triangles, 2 * PAIRS);
     assert_ok(eng_scene_remove(crew->scene, crew->soup));
     pairs = kit_add(crew->scene, mesh, 3);
     uint64_t expected = 0;

@@ -76,8 +76,8 @@ CASE_WITH(teleport__takes_no_more_memory_than_a_calm_step, setup, teardown)
 {
     struct ground *ground = *state;
     for (uint32_t i = 0; i < WAY_METHODS * 2 * 2; i++) {
-        struct eng_question settings = ENG_QUESTION_DEFAULT;
-        settings.method = way_methods[i % WAY_METHODS];
+        struct eng_question settings =
+            kit_contacts(PCCD_MODE_ALL, way_methods[i % WAY_METHODS]);
         settings.mode = i / WAY_METHODS % 2 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
         settings.threads = i / WAY_METHODS / 2 ? 4 : 1;
         settings.team_always = true;

@@ -6,8 +6,7 @@
 
 static struct eng_question way(uint32_t i, enum pccd_mode mode, double separation)
 {
-    struct eng_question settings = ENG_QUESTION_DEFAULT;
-    settings.mode = mode;
+    struct eng_question settings = kit_contacts(mode, PCCD_METHOD_DEFAULT);
     settings.distance = separation;
     way_choose(i, &settings);
     return settings;
@@ -206,16 +205,12 @@ static struct eng_scene *scene_of_rods(double x[2 * RODS][3])
     const struct eng_mesh_counts counts = {2 * RODS, 0, RODS, 0};
     const struct eng_object_thickness thickness = {.has_radius = true, .radius = 0.25};
     uint32_t ends[RODS][2];
-    struct eng_mesh *mesh;
-    uint32_t bad;
     uint32_t idx;
     for (uint32_t i = 0; i < 2 * RODS; i++) {
         ends[i / 2][i % 2] = i;
     }
-    assert_ok(eng_mesh_make(&counts, &mesh));
-    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 2 * RODS, x));
-    assert_ok(eng_mesh_write_edges(mesh, 0, RODS, ends, &bad));
-    assert_ok(eng_mesh_commit(mesh));
+    struct eng_mesh *mesh =
+        kit_mesh_of(&(struct kit_shape){.counts = counts, .x = x, .edges = ends});
     struct eng_scene *scene = kit_scene();
     assert_ok(eng_scene_add(scene, mesh, 1, &idx));
     assert_ok(eng_scene_set_thickness(scene, idx, &thickness));

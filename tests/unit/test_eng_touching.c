@@ -279,15 +279,8 @@ CASE(a_rod_on_the_face_it_begins_at__enters)
     const uint32_t face[1][3] = {{0, 1, 2}};
     const uint32_t rod[1][2] = {{0, 3}};
     struct eng_question question = ENG_QUESTION_DEFAULT;
-    struct eng_mesh *mesh;
-    uint32_t bad;
-    assert_ok(eng_mesh_make(&counts, &mesh));
-    assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x0));
-    assert_ok(eng_mesh_write_triangles(mesh, 0, 1, face, &bad));
-    assert_ok(eng_mesh_write_edges(mesh, 0, 1, rod, &bad));
-    assert_ok(eng_mesh_commit(mesh));
     kit_begin();
-    kit_put(mesh);
+    kit_put(kit_mesh_of(&(struct kit_shape){counts, x0, face, rod, NULL, NULL}));
     question.touching = PCCD_TOUCHING_LEFT_OUT;
     for (int way = -1; way <= 1; way += 2) {
         double x1[4][3];

@@ -157,9 +157,8 @@ CASE_WITH(trace__of_a_step_by_one_thread_is_in_its_track, crew_setup, crew_teard
 static void check_nesting(const struct eng_trace *trace, uint32_t track)
 {
     uint64_t count = eng_trace_count(trace, track);
-    const struct pccd_trace_event **open = malloc((count + 1) * sizeof *open);
+    const struct pccd_trace_event **open = test_room((count + 1) * sizeof *open);
     uint64_t open_count = 0;
-    assert_non_null(open);
     for (uint64_t i = 0; i < count; i++) {
         const struct pccd_trace_event *event = eng_trace_at(trace, track, i);
         while (open_count > 0 && open[open_count - 1]->begin_ns >= event->begin_ns) {

@@ -44,8 +44,7 @@ static void wait_for(struct fixture *f, uint32_t number, uint32_t from)
 
 static int set_up(void **state)
 {
-    struct fixture *f = calloc(1, sizeof *f);
-    assert_non_null(f);
+    struct fixture *f = test_room(sizeof *f);
     f->load.settings.clients = CLIENTS;
     f->load.shared =
         calloc(1, sizeof *f->load.shared + CLIENTS * LOAD_ORDERS * LOAD_FRAMES *

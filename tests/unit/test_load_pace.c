@@ -23,8 +23,7 @@ CASE(hist__has_the_quantiles_of_sorted_values_to_a_percent)
 {
     static const double shares[] = {0.01, 0.5, 0.9, 0.99, 0.999, 0.9999, 1};
     static uint64_t values[VALUES];
-    struct load_hist *hist = calloc(1, sizeof *hist);
-    assert_non_null(hist);
+    struct load_hist *hist = test_room(sizeof *hist);
     for (uint32_t i = 0; i < VALUES; i++) {
         values[i] = draw(i);
         load_hist_add(hist, values[i]);
@@ -45,8 +44,7 @@ CASE(hist__has_the_quantiles_of_sorted_values_to_a_percent)
 /* If it failed, a time beyond all bins would be written beside them. */
 CASE(hist__takes_any_time)
 {
-    struct load_hist *hist = calloc(1, sizeof *hist);
-    assert_non_null(hist);
+    struct load_hist *hist = test_room(sizeof *hist);
     load_hist_add(hist, 0);
     load_hist_add(hist, UINT64_MAX);
     load_hist_add(hist, 1ull << 40);
@@ -59,8 +57,7 @@ CASE(hist__takes_any_time)
 /* If it failed, processes would not add up, or seconds not be told apart. */
 CASE(hist__parts_add_up_and_come_apart)
 {
-    struct load_hist *h = calloc(4, sizeof *h);
-    assert_non_null(h);
+    struct load_hist *h = test_room(4 * sizeof *h);
     for (uint32_t i = 0; i < VALUES; i++) {
         load_hist_add(&h[i % 2], draw(i));
         load_hist_add(&h[2], draw(i));

@@ -390,11 +390,10 @@ static int read_zeros(uint16_t kind, const void *head, size_t head_bytes, size_t
     struct record_writer writer = {.fd = -1, .level = 1};
     struct record_reader reader;
     struct record_view view;
-    uint8_t *payload = calloc(1, bytes + 1);
+    uint8_t *payload = test_room(bytes + 1);
     const struct record_part part = {payload, bytes};
     int status;
 
-    assert_non_null(payload);
     memcpy(payload, head, head_bytes);
     (void)unlink(path);
     assert_int_equal(record_writer_open(&writer, path), 0);
@@ -538,8 +537,7 @@ CASE(payloads__of_what_is_near_are_judged)
     const size_t segments = offsetof(struct record_near, segment_count);
 
     assert_int_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 0), 0);
-    assert_int_equal(judge_with(RECORD_NEAR, &near.head, sizeof near.head, segments, 0),
-                     0);
+    assert_ok(judge_with(RECORD_NEAR, &near.head, sizeof near.head, segments, 0));
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, 0, 0), 0);
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, what, 6), 0);
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 2), 0);
@@ -554,8 +552,7 @@ CASE(payloads__of_what_is_near_are_judged)
     assert_int_not_equal(
         judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 128), 0);
     records.head.count = 16; /* bounds of vertices */
-    assert_int_equal(judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 8),
-                     0);
+    assert_ok(judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 8));
     assert_int_equal(judge_with(RECORD_NEAR_ANSWER, &answer, sizeof answer, 0, 1), 0);
     assert_int_not_equal(judge_with(RECORD_NEAR_ANSWER, &answer, sizeof answer - 8, 0, 1),
                          0);

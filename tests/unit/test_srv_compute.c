@@ -338,8 +338,7 @@ CASE_WITH(compute__queue_is_bounded_but_not_for_reaping, set_up, tear_down)
     sem_post(&fixture->gate);
     drain(fixture, (int)CAPACITY + 2);
     name_job(&jobs[CAPACITY + 1], fixture, 1001, run_named);
-    assert_int_equal(srv_compute_push(&fixture->compute, &list, &jobs[CAPACITY + 1].job),
-                     0);
+    assert_ok(srv_compute_push(&fixture->compute, &list, &jobs[CAPACITY + 1].job));
     drain(fixture, (int)CAPACITY + 3);
     srv_compute_stop(&fixture->compute);
     assert_int_equal(fixture->run[CAPACITY], 1000);

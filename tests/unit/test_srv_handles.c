@@ -10,8 +10,7 @@ static int add(struct srv_handles *handles, void *item, uint32_t want, uint32_t 
 {
     uint32_t count = srv_handles_needs(handles, want);
     if (count > handles->capacity) {
-        struct srv_handle_slot *slots = malloc(count * sizeof *slots);
-        assert_non_null(slots);
+        struct srv_handle_slot *slots = test_room(count * sizeof *slots);
         free(srv_handles_move(handles, slots, count));
     }
     return srv_handles_add(handles, item, want, handle);

@@ -98,8 +98,8 @@ CASE(quota__kinds_are_apart)
     srv_quota_init(&quota, limits);
     struct srv_quota_user *user = srv_quota_acquire(&quota, 1000);
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
-        assert_int_equal(
-            srv_quota_charge(user, (enum srv_quota_kind)kind, limits[kind], &error), 0);
+        assert_ok(
+            srv_quota_charge(user, (enum srv_quota_kind)kind, limits[kind], &error));
     }
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
         assert_int_equal(srv_quota_charge(user, (enum srv_quota_kind)kind, 1, &error),
