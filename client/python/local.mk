@@ -17,6 +17,7 @@ python_module = \
     client/python/module/memory.py \
     client/python/module/mpi.py \
     client/python/module/observe.py \
+    client/python/module/parquet.py \
     client/python/module/points.py \
     client/python/module/py.typed \
     client/python/module/rays.py \

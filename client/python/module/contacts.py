@@ -1,6 +1,6 @@
 """contacts.py - the contacts that pccdctl check writes as CSV, as Parquet or HDF5.
 
-Room:     client/python. Needs numpy; pyarrow for Parquet, h5py for HDF5.
+Room:     client/python. Needs numpy; h5py for HDF5.
 Does:     a column for each of the CSV with --geometry, and `step` in any case: whole
           numbers (-1: the kind has fewer vertices), doubles (NaN: mode pairs has none),
           text. Rows are read and written in pieces, so memory does not grow with them.
@@ -16,11 +16,11 @@ from typing import Any, Dict, Iterator, List
 
 import numpy as np
 
+from . import parquet
 from .files import Refusal
 
-# The module that writes a file of this ending, and where it is from.
-_H5PY = ("h5py", "Debian: python3-h5py")
-WRITERS = {".parquet": ("pyarrow", "pip install pyarrow"), ".h5": _H5PY, ".hdf5": _H5PY}
+HDF5 = (".h5", ".hdf5")
+PARQUET = (".parquet",)
 ROWS = 1 << 16  # of a piece
 WHOLE = ("step", "i0", "i1", "i2", "i3", "proved")
 REAL = ("toi", "toi_hi", *(side + axis for side in "abn" for axis in "xyz"))
@@ -30,17 +30,17 @@ Piece = Dict[str, Any]  # arrays of numpy, lists of text
 
 def is_named(path: str) -> bool:
     """Whether the file is one of these."""
-    return os.path.splitext(path)[1].lower() in WRITERS
+    return path.lower().endswith(HDF5 + PARQUET)
 
 
 def need(path: str) -> None:
     """A Refusal where its writer is missing: before the work."""
-    name, source = WRITERS[os.path.splitext(path)[1].lower()]
     try:
-        importlib.import_module(name)
+        if path.lower().endswith(HDF5):
+            importlib.import_module("h5py")
     except ImportError:
-        raise Refusal(f"{path}: this needs the Python module {name} ({source}); "
-                      "pccdctl itself writes CSV") from None
+        raise Refusal(f"{path}: this needs the Python module h5py (Debian: "
+                      "python3-h5py); Parquet and CSV need none") from None
 
 
 def _piece(head: List[str], rows: List[List[str]]) -> Piece:
@@ -74,20 +74,6 @@ def _pieces(path: str) -> Iterator[Piece]:
             yield _piece(head, rows)
 
 
-def _write_parquet(pieces: Iterator[Piece], path: str) -> None:
-    arrow = importlib.import_module("pyarrow")
-    parquet = importlib.import_module("pyarrow.parquet")
-    writer = None
-    for piece in pieces:
-        table = arrow.table({name: arrow.array(values, type=arrow.string())
-                             if isinstance(values, list) else arrow.array(values)
-                             for name, values in piece.items()})
-        writer = writer or parquet.ParquetWriter(path, table.schema)
-        writer.write_table(table)
-    if writer is not None:
-        writer.close()
-
-
 def _write_hdf5(pieces: Iterator[Piece], path: str) -> None:
     h5py = importlib.import_module("h5py")
     with h5py.File(path, "w") as file:
@@ -109,9 +95,9 @@ def _write_hdf5(pieces: Iterator[Piece], path: str) -> None:
 def write(table: str, path: str) -> None:
     """The CSV file `table` as `path`, which appears whole or not at all."""
     made = f"{path}.{os.getpid()}.part"
-    parquet = path.lower().endswith(".parquet")
+    to_hdf5 = path.lower().endswith(HDF5)
     try:
-        (_write_parquet if parquet else _write_hdf5)(_pieces(table), made)
+        (_write_hdf5 if to_hdf5 else parquet.write)(_pieces(table), made)
         os.replace(made, path)
     except OSError as error:
         raise Refusal(f"{path}: cannot write: {error}") from None
