@@ -66,6 +66,16 @@ mkdir soup && awk 'BEGIN {
     [ "$(steps all.jsonl | awk '$3 > 20 && $5 > 5 && $6 > 5' | wc -l)" -gt 6 ] && diff <(steps all.jsonl) <(steps first.jsonl) >>"$log"
 report judge__finds_what_crosses_without_asking
 
+# If it failed, a step that was begun before the last one's answer was seen would be lost, or be made
+# from elsewhere: here an answer has more pages than one, and the next step is taken back.
+awk 'BEGIN { for (i = 0; i < 6; i++) { f = "many" i ".obj"; z = (i < 3 || i == 4) - 0.5
+    print "v -9 -9 0\nv 9999 -9 0\nv -9 9999 0\nf 1 2 3" >f
+    for (k = 0; k < 1200; k++) { x = 2 * (k % 50); y = 2 * int(k / 50)
+        print "v " x " " y " " z "\nv " x + 1 " " y " 9\nv " x " " y + 1 " 9\nf -3 -2 -1" >f } } }' </dev/null
+check 1 --results pages.jsonl --result-bytes 65536 many%d.obj && check 1 --results whole.jsonl many%d.obj && cmp pages.jsonl whole.jsonl >>"$log" &&
+    [ "$(grep -c '"contacts":1200,' whole.jsonl)" -eq 3 ] && ctl verify --url direct: whole.jsonl many%d.obj
+report judge__takes_back_a_step_that_was_begun
+
 # If it failed, a verdict would say more, or less, than the steps.
 check 0 seq0.obj seq0.obj --no-self && says '^verdict +free: nothing meets, at frames or between them$' &&
     check 1 seq0.obj seq0.obj seq0.obj && says '^verdict +crossed, and nothing else meets; standing 2 crossings, in the last frame 2; no new crossings$' &&

@@ -138,7 +138,7 @@ int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_
     step->repeats = run->repeats;
     for (uint32_t i = 0; i <= run->repeats; i++) {
         double ms[REPORT_PHASE_COUNT];
-        double start = now_ms();
+        double start = i == 0 && run->begun == number ? run->begun_ms : now_ms();
         int status = ask->once(ask->context, i > 0, answer);
         double round_trip_ms = now_ms() - start;
         if (status != PCCD_OK) {
@@ -189,21 +189,68 @@ struct motion {
     struct pccd_contact *first; /* the earliest one so far; its toi is above 1 at first */
 };
 
+/* Submit the step to a frame, from where the objects stand, or from the frame before. */
+static int submit(const struct motion *motion, uint32_t number, bool is_from_before,
+                  uint64_t *step)
+{
+    const struct check_run *run = motion->run;
+    uint32_t count =
+        scene_motions(motion->files, number, is_from_before, motion->motions);
+    return pccd_submit(run->client, run->scene, motion->motions, count, &run->settings,
+                       step);
+}
+
+/* Begin the next step while this one is computed, so that the daemon has it when this one
+ * is done. If it cannot be begun, it is tried again in its turn. */
+static void begin_next(const struct motion *motion)
+{
+    struct check_run *run = motion->run;
+    if (run->goes_on != NULL && run->goes_on(run->owner) && run->repeats == 0 &&
+        run->settings.deadline_ns == 0 &&
+        submit(motion, motion->number + 1, false, &run->begun_step) == PCCD_OK) {
+        run->begun = motion->number + 1;
+    }
+}
+
+/* Take back the step that was begun: its answer is dropped, and the objects stand where
+ * this one ends, whose answer is `answer`. */
+static int take_back(const struct motion *motion, struct pccd_answer *answer)
+{
+    struct check_run *run = motion->run;
+    struct pccd_answer next = PCCD_ANSWER_INIT;
+    uint64_t step = 0;
+    run->begun = 0;
+    pccd_answer_release(run->client, answer);
+    int status = pccd_wait(run->client, run->begun_step, -1, &next);
+    pccd_answer_release(run->client, &next);
+    status = status == PCCD_OK ? submit(motion, motion->number, true, &step) : status;
+    return status == PCCD_OK ? pccd_wait(run->client, step, -1, answer) : status;
+}
+
 /* Move to the frame; the first time from where the objects stand, unless they stand
  * elsewhere. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct motion *motion = context;
-    const struct check_run *run = motion->run;
-    uint32_t count = scene_motions(motion->files, motion->number,
-                                   is_again || run->is_apart, motion->motions);
-    uint64_t step = 0;
-    int status = pccd_submit(run->client, run->scene, motion->motions, count,
-                             &run->settings, &step);
+    struct check_run *run = motion->run;
+    uint64_t step = run->begun_step;
+    int status = PCCD_OK;
+    if (is_again || run->begun != motion->number) {
+        status = submit(motion, motion->number, is_again || run->is_apart, &step);
+    }
+    run->begun = 0;
+    if (status == PCCD_OK && !is_again) {
+        begin_next(motion);
+    }
     if (status == PCCD_OK && !is_again && run->meanwhile != NULL) {
         run->meanwhile(run->owner);
     }
-    return status == PCCD_OK ? pccd_wait(run->client, step, -1, answer) : status;
+    status = status == PCCD_OK ? pccd_wait(run->client, step, -1, answer) : status;
+    if (status == PCCD_OK && run->begun > 0 && !run->may_stay(run->owner, answer)) {
+        status = take_back(motion, answer);
+    }
+    run->begun_ms = now_ms();
+    return status;
 }
 
 void check_run_find_first(const struct pccd_answer *page, struct pccd_contact *first)

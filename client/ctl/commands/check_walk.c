@@ -261,15 +261,39 @@ static int make_step(struct walk *walk, uint32_t number, struct ctl_error *error
                : end_step(walk, error);
 }
 
-/* While a step is computed: end the one before, and read the frame after it. */
-static void go_ahead(void *context)
+/* While a step is computed: read the frame after it. Return whether the step to that may
+ * begin: what crosses where this one ends will be found without asking, if its answer is
+ * no exception. */
+static bool goes_on(void *context)
+{
+    struct walk *walk = context;
+    const struct report_step step = {.is_complete = true};
+    const uint32_t next = walk->at + 2 + walk->has_pending;
+    if (next > walk->end) {
+        return false;
+    }
+    walk->ahead = next;
+    walk->ahead_status = scene_read(&walk->scene, next, &walk->ahead_error);
+    return walk->can_wait && walk->ahead_status == PCCD_OK &&
+           walk->run.settings.mode == PCCD_MODE_ALL &&
+           judge_ends_follow(&walk->ends, PCCD_MODE_ALL, &step);
+}
+
+/* Return whether that was right. If not, nothing is done early any more. */
+static bool may_stay(void *context, const struct pccd_answer *answer)
+{
+    struct walk *walk = context;
+    const struct report_step step = {.answer = *answer,
+                                     .is_complete = answer->incomplete == PCCD_COMPLETE};
+    walk->can_wait = judge_ends_follow(&walk->ends, PCCD_MODE_ALL, &step);
+    return walk->can_wait;
+}
+
+/* While a step is computed: end the one before. */
+static void end_before(void *context)
 {
     struct walk *walk = context;
     walk->pending_status = end_step(walk, &walk->pending_error);
-    if (walk->at + 2 <= walk->end) {
-        walk->ahead = walk->at + 2;
-        walk->ahead_status = scene_read(&walk->scene, walk->ahead, &walk->ahead_error);
-    }
 }
 
 static void note_page(void *context, const struct pccd_answer *page)
@@ -488,8 +512,10 @@ static int walk_alone(struct walk *walk, struct ctl_error *error)
         status = status == PCCD_OK ? look_at_first(walk, error) : status;
     }
     walk->can_wait = may_wait(walk);
-    walk->run.meanwhile = has_pipe(&walk->scene) ? NULL : go_ahead;
     walk->run.note = note_page;
+    walk->run.goes_on = has_pipe(&walk->scene) ? NULL : goes_on;
+    walk->run.may_stay = may_stay;
+    walk->run.meanwhile = end_before;
     walk->run.owner = walk;
     progress_begin(&walk->progress, "runs",
                    walk->command->results.is_job

@@ -126,18 +126,25 @@ int crossings_copy(struct crossings *to, const struct crossings *from,
     return PCCD_OK;
 }
 
-static bool has(const struct crossings *crossings, const struct crossing *crossing)
+/* Return whether there is such a crossing from *at on, where those that are less end. */
+static bool has(const struct crossings *crossings, const struct crossing *crossing,
+                size_t *at)
 {
-    return crossings->count > 0 && bsearch(crossing, crossings->of, crossings->count,
-                                           sizeof *crossing, compare) != NULL;
+    int order = -1;
+    while (*at < crossings->count &&
+           (order = compare(&crossings->of[*at], crossing)) < 0) {
+        (*at)++;
+    }
+    return order == 0;
 }
 
 uint64_t crossings_beyond(const struct crossings *a, const struct crossings *b,
                           const struct crossings *c)
 {
     uint64_t count = 0;
+    size_t in_b = 0, in_c = 0;
     for (size_t i = 0; i < a->count; i++) {
-        count += !has(b, &a->of[i]) && !has(c, &a->of[i]);
+        count += !has(b, &a->of[i], &in_b) && !has(c, &a->of[i], &in_c);
     }
     return count;
 }
@@ -170,7 +177,7 @@ bool judge_ends_follow(const struct judge_ends *ends, enum pccd_mode mode,
     return !ends->leaves_out && step->is_complete && ends->end.is_complete &&
            ((!report_meets(step) && ends->end.count == 0) ||
             (ends->follow.scene != NULL && mode == PCCD_MODE_ALL &&
-             ends->follow.is_whole));
+             ends->follow.is_whole && step->answer.total <= FOLLOW_CONTACTS_MAX));
 }
 
 int judge_ends_look(struct judge_ends *ends, const struct check_run *run, uint32_t number,

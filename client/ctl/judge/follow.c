@@ -15,9 +15,6 @@
 #include "judge.h"
 #include "oracle_distance.h"
 
-/* Contacts of a step beyond which to ask takes less time and memory. */
-#define CONTACTS_MAX 65536u
-
 /* ---- what is around a vertex ------------------------------------------------------- */
 
 /* Rows that have a vertex: of[first[v]] to of[first[v + 1] - 1]. */
@@ -123,19 +120,20 @@ static int add(const struct following *following, const uint32_t places[2], uint
     struct scene_object *objects = following->follow->scene->objects;
     struct crossings *to = following->to;
     const uint32_t features[2] = {edge, face};
-    struct place_feature ends[2];
+    uint32_t corners[2][3];
     double p[5][3];
     for (uint32_t side = 0; side < 2; side++) {
-        int status =
-            scene_feature(&objects[places[side]], following->client, following->number,
-                          2 + side, features[side], &ends[side]);
+        struct scene_object *object = &objects[places[side]];
+        int status = scene_corners(object, following->client, 2 + side, features[side],
+                                   corners[side]);
         if (status != PCCD_OK) {
             return status;
         }
-        memcpy(p[2 * side], ends[side].to, (2 + side) * sizeof p[0]);
+        scene_vertices(scene_at(object, following->number), 2 + side, corners[side],
+                       &p[2 * side]);
     }
     for (int i = 0; i < 6 && places[0] == places[1]; i++) {
-        if (ends[0].corners[i / 3] == ends[1].corners[i % 3]) {
+        if (corners[0][i / 3] == corners[1][i % 3]) {
             return PCCD_OK;
         }
     }
@@ -203,7 +201,8 @@ static int add_beside(const struct following *following, const struct pccd_pair 
 void follow_note(struct follow *follow, const struct pccd_answer *page)
 {
     void *pairs = follow->pairs;
-    follow->is_whole = follow->is_whole && follow->count + page->count <= CONTACTS_MAX;
+    follow->is_whole =
+        follow->is_whole && follow->count + page->count <= FOLLOW_CONTACTS_MAX;
     for (uint64_t i = 0; follow->is_whole && i < page->count; i++) {
         const struct pccd_contact *is = &page->contacts[i];
         follow->is_whole =

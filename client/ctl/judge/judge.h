@@ -57,6 +57,9 @@ void crossings_deinit(struct crossings *crossings);
 
 struct follow_mesh;
 
+/* Contacts of a step beyond which to ask takes less time and memory. */
+#define FOLLOW_CONTACTS_MAX 65536u
+
 /* {0}; follow_deinit's to give back, also on error. */
 struct follow {
     struct scene *scene;        /* the caller's */

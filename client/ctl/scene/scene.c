@@ -9,6 +9,7 @@
 
 #include "array.h"
 #include "clock.h"
+#include "coordinates.h"
 #include "ctl.h"
 #include "link.h"
 #include "shown.h"
@@ -471,36 +472,45 @@ int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle
     return status;
 }
 
-/* A vertex of a frame, in doubles. */
-static void vertex_of(const struct ctl_mesh *frame, uint32_t vertex, double at[3])
+int scene_corners(struct scene_object *object, struct pccd_client *client,
+                  uint32_t points, uint32_t feature, uint32_t corners[3])
 {
-    for (size_t k = 0, first = 3 * (size_t)vertex; k < 3; k++) {
-        at[k] = frame->format == PCCD_FORMAT_F64
-                    ? ((const double *)frame->x)[first + k]
-                    : (double)((const float *)frame->x)[first + k];
+    const struct ctl_mesh *mesh = &object->files.mesh;
+    uint32_t counts[4] = {0, mesh->vertex_count, object->info.edge_count,
+                          mesh->triangles.count};
+    if (feature >= counts[points]) {
+        return PCCD_E_FORMAT;
+    }
+    int status = points == 2 ? scene_edges(object, client) : PCCD_OK;
+    for (uint32_t i = 0; i < points && status == PCCD_OK; i++) {
+        corners[i] = points == 1 ? feature
+                     : points == 2
+                         ? (i == 0 ? object->edges[feature].a : object->edges[feature].b)
+                         : mesh->triangles.vertices[3 * (size_t)feature + i];
+    }
+    return status;
+}
+
+void scene_vertices(const struct ctl_mesh *frame, uint32_t points,
+                    const uint32_t corners[3], double (*at)[3])
+{
+    for (size_t i = 0; i < points; i++) {
+        for (size_t k = 0; k < 3; k++) {
+            at[i][k] =
+                common_coordinate(frame->x, frame->format, 3 * (size_t)corners[i] + k);
+        }
     }
 }
 
 int scene_feature(struct scene_object *object, struct pccd_client *client, uint32_t index,
                   uint32_t points, uint32_t feature, struct place_feature *ends)
 {
-    const struct ctl_mesh *mesh = &object->files.mesh;
     const struct ctl_mesh *to = scene_at(object, index);
-    const struct ctl_mesh *from = index > 0 ? scene_at(object, index - 1) : to;
-    uint32_t counts[4] = {0, to->vertex_count, object->info.edge_count,
-                          mesh->triangles.count};
-    if (feature >= counts[points]) {
-        return PCCD_E_FORMAT;
-    }
-    int status = points == 2 ? scene_edges(object, client) : PCCD_OK;
-    uint32_t *corners = ends->corners;
-    for (uint32_t i = 0; i < points && status == PCCD_OK; i++) {
-        corners[i] = points == 1 ? feature
-                     : points == 2
-                         ? (i == 0 ? object->edges[feature].a : object->edges[feature].b)
-                         : mesh->triangles.vertices[3 * (size_t)feature + i];
-        vertex_of(from, corners[i], ends->from[i]);
-        vertex_of(to, corners[i], ends->to[i]);
+    int status = scene_corners(object, client, points, feature, ends->corners);
+    if (status == PCCD_OK) {
+        scene_vertices(index > 0 ? scene_at(object, index - 1) : to, points,
+                       ends->corners, ends->from);
+        scene_vertices(to, points, ends->corners, ends->to);
     }
     return status;
 }

@@ -164,9 +164,15 @@ int scene_place(struct scene *scene, struct pccd_client *client, uint32_t handle
                 bool with_edges, struct ctl_error *error);
 /* Get the edges of an object, once. Errors: those of pccd_mesh_edges, E_NOMEM. */
 int scene_edges(struct scene_object *object, struct pccd_client *client);
-/* Find the vertices of a feature of so many points, as they are in frames
- * index - 1 and `index`, which scene_read has read; edges are got when they are first
+/* Find the vertices of a feature of so many points; edges are got when they are first
  * asked for. Errors: those of pccd_mesh_edges, E_NOMEM; E_FORMAT: there is none. */
+int scene_corners(struct scene_object *object, struct pccd_client *client,
+                  uint32_t points, uint32_t feature, uint32_t corners[3]);
+/* Set `at` to where so many of a frame's vertices are. */
+void scene_vertices(const struct ctl_mesh *frame, uint32_t points,
+                    const uint32_t corners[3], double (*at)[3]);
+/* Do both, for frames index - 1 and `index`, which scene_read has read. Errors: those of
+ * scene_corners. */
 int scene_feature(struct scene_object *object, struct pccd_client *client, uint32_t index,
                   uint32_t points, uint32_t feature, struct place_feature *ends);
 /* Fill `motions`, up to [object_count], with how what moves goes from frame index - 1 to
