@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "confined.h"
@@ -328,6 +329,17 @@ static int judge_order(struct ctl_sequence *sequence, struct ctl_error *error)
     return PCCD_OK;
 }
 
+/* ---- all of it --------------------------------------------------------------------- */
+
+static struct ctl_stamp stamp_of(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0
+               ? (struct ctl_stamp){info.st_dev, info.st_ino, (uint64_t)info.st_size,
+                                    info.st_mtim}
+               : (struct ctl_stamp){.bytes = 0};
+}
+
 int ctl_sequence_expand(struct ctl_sequence *sequence, char *const *names, uint32_t count,
                         struct ctl_error *error)
 {
@@ -338,7 +350,28 @@ int ctl_sequence_expand(struct ctl_sequence *sequence, char *const *names, uint3
         status = find_pattern(names[i], &pattern) ? expand(sequence, &pattern, error)
                                                   : add_name(sequence, names[i], error);
     }
+    sequence->stamps = calloc((size_t)sequence->count + 1, sizeof *sequence->stamps);
+    if (status == PCCD_OK && sequence->stamps == NULL) {
+        status = no_memory(error);
+    }
+    for (uint32_t i = 0; i < sequence->count && status == PCCD_OK; i++) {
+        sequence->stamps[i] = stamp_of(sequence->paths[i]);
+    }
     return status == PCCD_OK ? judge_order(sequence, error) : status;
+}
+
+const char *ctl_sequence_changed(const struct ctl_sequence *sequence)
+{
+    for (uint32_t i = 0; i < sequence->count; i++) {
+        const struct ctl_stamp *was = &sequence->stamps[i];
+        const struct ctl_stamp is = stamp_of(sequence->paths[i]);
+        if (is.device != was->device || is.inode != was->inode ||
+            is.bytes != was->bytes || is.changed.tv_sec != was->changed.tv_sec ||
+            is.changed.tv_nsec != was->changed.tv_nsec) {
+            return sequence->paths[i];
+        }
+    }
+    return NULL;
 }
 
 void ctl_sequence_warn(const struct ctl_sequence *sequence)
@@ -354,6 +387,7 @@ void ctl_sequence_deinit(struct ctl_sequence *sequence)
         free(sequence->paths[i]);
     }
     free(sequence->paths);
+    free(sequence->stamps);
     free(sequence->warning);
     *sequence = (struct ctl_sequence){.count = 0};
 }

@@ -11,12 +11,20 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <time.h>
 
 #include "error.h"
 
+/* State of a file by which a change is noticed; {0}: it cannot be looked at. */
+struct ctl_stamp {
+    uint64_t device, inode, bytes;
+    struct timespec changed;
+};
+
 struct ctl_sequence {
     uint32_t count;
-    char **paths;  /* [count], in the order of the frames; ours */
+    char **paths;             /* [count], in the order of the frames; ours */
+    struct ctl_stamp *stamps; /* [count], before any of them was read; ours */
     char *warning; /* NULL, or one line: what was named may not be what was meant */
 };
 
@@ -29,6 +37,8 @@ bool ctl_sequence_is_pattern(const char *name);
  * that is missing; E_LIMIT for more than 2^20 files. */
 int ctl_sequence_expand(struct ctl_sequence *sequence, char *const *names, uint32_t count,
                         struct ctl_error *error);
+/* Return the first file that is no longer as it was, or NULL. */
+const char *ctl_sequence_changed(const struct ctl_sequence *sequence);
 /* Print the warning, if there is one, as a line on stderr. */
 void ctl_sequence_warn(const struct ctl_sequence *sequence);
 void ctl_sequence_deinit(struct ctl_sequence *sequence);

@@ -76,6 +76,16 @@ check 1 --results pages.jsonl --result-bytes 65536 many%d.obj && check 1 --resul
     [ "$(grep -c '"contacts":1200,' whole.jsonl)" -eq 3 ] && ctl verify --url direct: whole.jsonl many%d.obj
 report judge__takes_back_a_step_that_was_begun
 
+# If it failed, results would have the hash of a file that was not what was judged. What reads the
+# contacts waits in step 3 until the file has changed.
+mkfifo hits.csv && { timeout 100 "$PCCDCTL" check --private --contacts hits.csv --results changed.jsonl many%d.obj >out 2>err & } && pid=$!
+exec 7<hits.csv && touch -d @1 many5.obj && cat <&7 >/dev/null
+exec 7<&-
+wait $pid
+[ $? -eq 4 ] && grep -qx 'pccdctl: many5.obj has changed since the check began: what was found is no result of it' err &&
+    [ "$(wc -l <changed.jsonl)" -eq 7 ] && ! grep -q '"verdict"' changed.jsonl
+report judge__of_files_that_change_has_no_verdict
+
 # If it failed, a verdict would say more, or less, than the steps.
 check 0 seq0.obj seq0.obj --no-self && says '^verdict +free: nothing meets, at frames or between them$' &&
     check 1 seq0.obj seq0.obj seq0.obj && says '^verdict +crossed, and nothing else meets; standing 2 crossings, in the last frame 2; no new crossings$' &&
@@ -185,7 +195,9 @@ END
     ! ctl near --private seq0.obj cut.pc2 &&
     check 4 seq0.obj early.mdd && says '^ *1  early.mdd 1 s: 0 ' '^so far +crossed, ' && grep -q 'early.mdd: frame 2 is cut off: .* has 744 bytes; it has 584$' err &&
     check 4 seq0.obj late.mdd && says '^ *1  late.mdd 1 s: 0 ' '^ *2  late.mdd 2 s: 1 ' '^so far +meets' &&
-    grep -q 'late.mdd: frame 3 is cut off: .* it has 744 bytes; it has 724$' err
+    grep -q 'late.mdd: frame 3 is cut off: .* it has 744 bytes; it has 724$' err &&
+    { head -c 28 cut.pc2; printf '\377\377\377\177'; tail -c +33 cut.pc2; } >huge.pc2 &&
+    ends 4 'by its header, 2147483647 frames of 12 vertices' check --private seq0.obj huge.pc2
 report judge__of_frames_that_are_cut_off_says_what_was_whole
 
 # If it failed, a certificate would be believed whatever it says, or not be reproduced elsewhere.
@@ -213,6 +225,7 @@ check 1 --results s.jsonl --with high.obj --between one,high --between one,one -
     cp seq6.obj was6.obj && spikes -1 -1 3 >seq6.obj && verify 1 r.jsonl seq%d.obj &&
     says '^different +seq6.obj: was seq6.obj with' && cp was6.obj seq6.obj &&
     head -n 5 r.jsonl >w.jsonl && verify 4 w.jsonl seq%d.obj && grep -q 'has no verdict at its end' err &&
+    ends 4 'absent.jsonl, which has files behind it, is no certificate: No such file' verify absent.jsonl seq%d.obj &&
     verify 4 r.jsonl seq0.obj && verify 4 r.jsonl absent.obj && verify 4 s.jsonl &&
     grep -q 'name the files of s.jsonl behind it, those of --with last' err &&
     echo '{"pccd_check":1,"settings":3}' >w.jsonl && echo '{"verdict":"free"}' >>w.jsonl && verify 4 w.jsonl seq0.obj

@@ -10,6 +10,7 @@
 #include "judge.h"
 #include "output.h"
 #include "printable.h"
+#include "shown.h"
 #include "terminal.h"
 
 /* Everything that lives while the frames are walked through. */
@@ -550,12 +551,29 @@ static int walk_jobs(struct walk *walk, struct ctl_error *error)
     return status;
 }
 
+/* Fail where a file is no longer what its hash in the results says. */
+static int look_at_files(const struct walk *walk, struct ctl_error *error)
+{
+    const char *path = NULL;
+    for (uint32_t i = 0; i < walk->scene.object_count && path == NULL; i++) {
+        path = ctl_sequence_changed(&walk->scene.objects[i].files.sequence);
+    }
+    return path == NULL ? PCCD_OK
+                        : ctl_error_set(error, PCCD_E_STATE,
+                                        "%s has changed since the check began: what was "
+                                        "found is no result of it",
+                                        tool_shown(path));
+}
+
 static int report_all(struct walk *walk, struct ctl_error *error)
 {
     const bool is_json = walk->command->check.ask.is_json;
     const uint32_t step_count = walk->scene.count - 1;
     if (!walk->has_verdict && walk->head != NULL) {
-        int status = check_lines_put(&walk->lines, judge_line(&walk->judge), error);
+        int status = look_at_files(walk, error);
+        if (status == PCCD_OK) {
+            status = check_lines_put(&walk->lines, judge_line(&walk->judge), error);
+        }
         if (status != PCCD_OK) {
             return status;
         }

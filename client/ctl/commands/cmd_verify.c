@@ -1,7 +1,12 @@
 /* cmd_verify.c - pccdctl verify. */
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
 #include "check_walk.h"
 #include "ctl.h"
 #include "play_options.h"
+#include "shown.h"
 #include "verify.h"
 
 #define THREADS_MAX 1024u
@@ -177,6 +182,12 @@ int ctl_cmd_verify(int argc, char **argv)
         return ctl_complain("a certificate wants files: name the files of %s behind it, "
                             "those of --with last",
                             argv[at]);
+    }
+    if (at == argc && argc > 2 && argv[1][0] != '-' && argv[2][0] != '-') {
+        return ctl_complain(
+            "%s, which has files behind it, is no certificate: %s", tool_shown(argv[1]),
+            access(argv[1], R_OK) == 0 ? "pccdctl check --results makes one"
+                                       : strerror(errno));
     }
     return at < argc ? verify_certificate(argc, argv) : verify_recording(argc, argv);
 }

@@ -17,6 +17,8 @@
 #include "meshfile.h"
 
 #define VERTEX_BYTES ((uint64_t)12)
+/* A header that has more frames than the file is wrong, rather than the file cut off. */
+#define CUT_FRAMES_MAX ((uint32_t)1 << 20)
 
 /* Where in a header things are. */
 struct kind {
@@ -105,8 +107,8 @@ static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frame
         said = UINT64_MAX;
     }
     bool is_whole = said < size && size - said == frame_bytes;
-    bool may_be_cut = takes_cut && said != UINT64_MAX && said != size &&
-                      (size < said || size - said < frame_bytes) &&
+    bool may_be_cut = takes_cut && frames <= CUT_FRAMES_MAX && said != UINT64_MAX &&
+                      said != size && (size < said || size - said < frame_bytes) &&
                       size >= cache->first_byte + 2 * frame_bytes;
     bool is_double = cache->kind.is_mdd && (is_whole || may_be_cut) &&
                      is_same(file, cache->first_byte, frame_bytes);
@@ -117,6 +119,25 @@ static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frame
     return file->status != PCCD_OK || said == size || cache->bytes == size || is_cut
                ? file->status
                : refuse_size(file, "", frames, vertices, cache->bytes, file->error);
+}
+
+/* Return whether all are coordinates. Without its sign a number is the larger, the larger
+ * its bits are, and what is no number has larger ones still. */
+static bool largest_is_coordinate(const float *x, uint32_t vertex_count)
+{
+    uint32_t largest[3] = {0, 0, 0};
+    for (uint32_t v = 0; v < vertex_count; v++) {
+        uint32_t bits[3];
+        memcpy(bits, x + 3 * (size_t)v, sizeof bits);
+        for (int k = 0; k < 3; k++) {
+            bits[k] &= UINT32_MAX >> 1;
+            largest[k] = bits[k] > largest[k] ? bits[k] : largest[k];
+        }
+    }
+    float of[3];
+    memcpy(of, largest, sizeof of);
+    return common_is_coordinate((double)of[0]) && common_is_coordinate((double)of[1]) &&
+           common_is_coordinate((double)of[2]);
 }
 
 static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
@@ -138,21 +159,19 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
     if (status != PCCD_OK) {
         return status;
     }
-    bool is_right = true;
-    for (uint64_t i = 0; i < count; i++) {
+    for (uint64_t i = 0; i < count && cache->kind.is_mdd; i++) {
         to[i] = float_at(cache, (const char *)&to[i]);
-        is_right = is_right & common_is_coordinate((double)to[i]);
     }
-    uint64_t index = 0;
-    while (!is_right && common_is_coordinate((double)to[index])) {
+    uint64_t index = largest_is_coordinate(to, motion->vertex_count) ? count : 0;
+    while (index < count && common_is_coordinate((double)to[index])) {
         index++;
     }
-    return is_right ? PCCD_OK
-                    : ctl_error_set(error, PCCD_E_NOTFINITE,
-                                    "%s: byte %" PRIu64 ", frame %" PRIu32
-                                    ", vertex %" PRIu64 ": coordinate %c is %g",
-                                    file->path, first + 4 * index, frame, index / 3,
-                                    "xyz"[index % 3], (double)to[index]);
+    return index == count ? PCCD_OK
+                          : ctl_error_set(error, PCCD_E_NOTFINITE,
+                                          "%s: byte %" PRIu64 ", frame %" PRIu32
+                                          ", vertex %" PRIu64 ": coordinate %c is %g",
+                                          file->path, first + 4 * index, frame, index / 3,
+                                          "xyz"[index % 3], (double)to[index]);
 }
 
 static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *text,
