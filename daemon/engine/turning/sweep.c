@@ -920,6 +920,26 @@ static uint32_t near_across(const struct corners *corners, const struct shapes *
     return pairs;
 }
 
+/* Return those of the pairs that are not apart beside an edge of either leaf: along what
+ * is across the edge, in the plane of the leaf. */
+static uint32_t near_beside(const struct corners *corners, const struct shapes *shapes,
+                            uint32_t pairs)
+{
+    for (int side = 0; side < 2 && pairs != 0; side++) {
+        struct vectors next = next_of(&shapes->edge[side]);
+        struct vectors n = across4(&shapes->edge[side], &next);
+        struct vectors aside = across4(&n, &shapes->edge[side]);
+        for (int k = 0; k < 3 && pairs != 0; k++) {
+            n = (struct vectors){{all4(aside.x[0][k]), all4(aside.x[1][k]),
+                                  all4(aside.x[2][k])}};
+            const f4 a[2] = {dot4(&n, &shapes->a[0]), dot4(&n, &shapes->a[1])};
+            const f4 b[2] = {dot4(&n, &shapes->b[0]), dot4(&n, &shapes->b[1])};
+            pairs &= ~apart_along(a, b, margin_along(corners, &n));
+        }
+    }
+    return pairs;
+}
+
 /* Return those of the pairs that are not apart along an axis of side 0. */
 static uint32_t near_by_axes(const struct corners *corners, const struct shapes *shapes,
                              uint32_t pairs)
@@ -978,8 +998,10 @@ static uint32_t near_in(struct eng_sweep *sweep, const struct leaves *leaves,
     set_shapes(leaves, &corners, &shapes);
     pairs = near_across(&corners, &shapes, pairs);
     if (closely) {
-        pairs = near_by_axes(&corners, &shapes, pairs);
         pairs = near_across_edges(&corners, &shapes, pairs);
+        pairs = is_face(leaves->face[0]) && is_face(leaves->face[1])
+                    ? near_beside(&corners, &shapes, pairs)
+                    : near_by_axes(&corners, &shapes, pairs);
     }
     return pairs;
 }
