@@ -38,7 +38,7 @@
 #define LOOKS          2048u
 #define LOOKS_OF_FRAME 32u
 
-#define FRAMES 128u /* a power of two */
+#define FRAMES 256u /* a power of two */
 
 #define AXES 8 /* x, y, z of side 0, one unused; of side 1 at the middle, one unused */
 

@@ -92,7 +92,7 @@ struct eng_turning_step {
  * all that are tested: 1 / SHARES. Of more couples there are enough for every thread, and
  * each task begins anew at the roots. */
 #define ENG_TURNING_LARGE  512u
-#define ENG_TURNING_SHARES 64u
+#define ENG_TURNING_SHARES 32u
 
 void eng_turning_step_deinit(struct eng_turning_step *step);
 uint64_t eng_turning_step_bytes(const struct eng_turning_step *step);
