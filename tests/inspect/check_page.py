@@ -200,6 +200,18 @@ class Opened(InBrowser):
             self.assertLess(max((abs(a - b) for a, b in zip(times, true, strict=True)),
                                 default=0), 1e-6)
 
+    # If it failed, one would have to go through all steps to know where to look.
+    def test_whole__says_which_steps_are_worth_a_look(self):
+        totals = [said["contacts"] for said in self.scene.steps]
+        most = totals.index(max(totals))
+        first = next(i for i, total in enumerate(totals) if total > 0)
+        self.assertTrue(self.text("whole").startswith(
+            f"In {sum(total > 0 for total in totals)} of {len(totals)} steps something "
+            f"meets, first in step {first + 1}, most in step {most + 1} ({max(totals)}"),
+            self.text("whole"))
+        self.browser.click("#whole button")
+        self.browser.wait("return pccd.state.values.index === arguments[0]", first)
+
     # If it failed, a contact would be drawn where nothing touches.
     def test_contacts__lie_on_both_features_at_their_time(self):
         worst = self.browser.run("""

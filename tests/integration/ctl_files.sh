@@ -108,6 +108,18 @@ timeout 60 "$PCCDCTL" render --size 64x64 --every 2 -o film.apng a.obj b.obj a.o
     grep -qx 'film.apng: 2 steps' "$log"
 # If it failed, a film of a program that tries each frame again and again would flicker.
 report files__film_leaves_out_further_tries
+for z in 9 0; do
+    printf 'v 0 0 %s\nv 1 0 %s\nv 0 1 %s\nv 0 0 -5\nv 2 0 -5\nv 0 2 -5\nf 1 2 3\nf 4 5 6\n' $z $z $z >drop$z.obj
+done
+for up in '' '--up z' '--up y'; do
+    # shellcheck disable=SC2086 # words
+    for ending in png apng; do
+        timeout 60 "$PCCDCTL" render --private --size 64x64 $up -o "up${up#--up }.$ending" drop9.obj drop0.obj
+    done
+done >"$log" 2>&1
+cmp up.png upz.png >>"$log" && cmp up.apng upz.apng >>"$log" && ! cmp -s up.png upy.png && ! cmp -s up.apng upy.apng
+# If it failed, what falls would lie on its side in a picture or a film, and stand on the page.
+report files__up_is_where_things_fall_from
 ! "$PCCDCTL" render --at 'contact 1' -o no.apng some.rec 2>"$log" && grep -q 'a film is of steps' "$log" &&
     ! "$PCCDCTL" render --rate 3 -o no.png some.rec 2>"$log" && grep -q 'rate is of a film' "$log" &&
     ! "$PCCDCTL" render --every 3 -o no.png some.rec 2>"$log" && grep -q 'every is of a film' "$log" &&
