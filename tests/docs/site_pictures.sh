@@ -1,5 +1,6 @@
 #!/bin/bash
-# site_pictures.sh - make the pictures of the recipes anew, by the commands of their pages.
+# site_pictures.sh - make the pictures of the recipes anew, by the commands of their pages; the
+# film of README by those of client/README.md.
 #
 # make site-pictures, after a change of what pccdctl draws.
 set -u
@@ -25,3 +26,13 @@ for page in "$top_srcdir"/client/man/site/*.md; do
         cp "$work/$recipe/$picture" "$top_srcdir/client/man/site/"
     done
 done
+
+ln -s "$top_builddir" "$work/build"
+sed -nE 's/^    (build\/pccdctl (record -o demo\.rec|render -o cloth\.apng) .*)/\1/p' \
+    "$top_srcdir/client/README.md" >"$work/film"
+if ! (cd "$work" && bash -e film) >"$work/log" 2>&1; then
+    tail "$work/log" >&2
+    echo "site_pictures: the film of README: failed" >&2
+    exit 1
+fi
+cp "$work/cloth.apng" "$top_srcdir/client/ctl/picture/"
