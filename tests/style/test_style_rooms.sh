@@ -155,7 +155,7 @@ tests               ipc/utils/logger.hpp ompl/base/spaces/SO2StateSpace.h ompl/u
 c_library='argp.h assert.h ctype.h dirent.h dlfcn.h endian.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h
     arm_neon.h glob.h grp.h immintrin.h inttypes.h limits.h linux/filter.h linux/futex.h
     linux/openat2.h linux/seccomp.h locale.h malloc.h math.h netinet/in.h
-    poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
+    poll.h pthread.h pwd.h sched.h semaphore.h setjmp.h signal.h smmintrin.h spawn.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h sys/epoll.h sys/eventfd.h sys/file.h sys/inotify.h
     sys/ioctl.h sys/mman.h sys/pidfd.h sys/prctl.h sys/ptrace.h sys/random.h sys/resource.h sys/signalfd.h sys/socket.h sys/stat.h sys/syscall.h
     sys/time.h sys/timerfd.h

@@ -25,8 +25,13 @@
 #define ENG_VECTOR_BYTES 8
 #endif
 
-#ifdef __x86_64__
+/* The header of all sets takes most of the time in which a short kernel is compiled. */
+#ifdef __AVX__
 #include <immintrin.h>
+#elif defined __SSE4_1__
+#include <smmintrin.h>
+#elif defined __SSE2__
+#include <emmintrin.h>
 #elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
 #include <arm_neon.h>
 #endif
