@@ -383,6 +383,18 @@ awk '
     }' "$work/files" "$work/includes" >"$work/log" && [ ! -s "$work/log" ]
 tap_result $? tests__see_one_room_at_a_time "$work/log"
 
+# Headers that a source of their folder includes first, which every build compiles: each has been
+# compiled alone there.
+awk 'NR == FNR { is_file[$1] = 1; next }
+    !($3 in first) {
+        first[$3] = 1
+        folder = $3
+        sub(/[^\/]*$/, "", folder)
+        name = folder substr($2, 2, length($2) - 2)
+        if ($2 ~ /^"/ && name in is_file && $3 ~ /[.]c$/ && $3 !~ /^bench\/peers\//)
+            print name
+    }' "$work/paths" "$work/includes" | sort -u >"$work/compiled"
+
 # If this failed, a header would work only after another one.
 flags_of() {
     local sees=$1 flags="-iquote proto/common" folder inner
@@ -418,7 +430,7 @@ printf '%s' "$rooms" | while read -r room sees; do
         flags="$flags $MPI_CPPFLAGS -iquote client/mpi"
         ;;
     esac
-    for header in $(grep "^$room/$inside\.h\$" "$work/paths"); do
+    for header in $(grep "^$room/$inside\.h\$" "$work/paths" | grep -vxF -f "$work/compiled"); do
         # shellcheck disable=SC2086 # flags are words
         ${CC-cc} -std=c11 -D_GNU_SOURCE -fopenmp -fsyntax-only -x c $flags "$header" \
             >"$work/error" 2>&1 ||
