@@ -22,7 +22,7 @@ cases='replay_says_what_pccdctl_says verify_says_what_pccdctl_says
     run_without_one_rank_ends_and_goes_on torn_line_is_done_again
     results_of_something_else_are_refused missing_file_of_one_rank_is_told
     scenes_by_turns_begin_where_they_stand no_rank_waits_until_another_takes_a_message
-    dealt_check_says_what_pccdctl_says usage_is_told_once'
+    usage_is_told_once'
 
 if [ "${PCCD_MPI:-no}" = no ]; then
     for name in $cases; do
@@ -299,56 +299,11 @@ told 'No such file' 'rm "$1/of2/sheet.rec"' &&
     told 'it is another recording than on rank 0' 'cp "$1/w" "$1/of2/sheet.rec"'
 tap_result $? recordings__missing_file_of_one_rank_is_told "$log"
 
-# ---- frames ----------------------------------------------------------------------------
-
-# What a report has that is not time or work.
-told_of() { # FILE
-    sed '/"counters": {/,/}/d; /"ms": {/,/}/d; /"threads"/d; /"tuning"/d' "$1"
-}
-# If it failed, a step of a sequence would be another one where its rank did not compute the one
-# before; or the frames of a run that goes on would not be those of the results.
-sequence=("$work"/{a,b,a,b,b,a,a,b}.obj)
-"$PCCDCTL" check --url direct: --json "${sequence[@]}" >"$work/one" 2>"$log"
-met=$?
-[ $met -le 1 ]
-status=$?
-for count in 1 3; do
-    rm -f "$work/lines"
-    program "$count" check --deal --json --results "$work/lines" "${sequence[@]}" \
-        >"$work/ranks" 2>>"$log"
-    [ $? -eq $met ] && diff <(told_of "$work/one") <(told_of "$work/ranks") >>"$log" &&
-        head -n 4 "$work/lines" >"$work/some" || status=1
-    program 2 check --deal --json --results "$work/some" "${sequence[@]}" >"$work/ranks" 2>>"$log"
-    [ $? -eq $met ] && diff <(told_of "$work/one") <(told_of "$work/ranks") >>"$log" &&
-        head -n 4 "$work/lines" | cmp - <(head -n 4 "$work/some") >>"$log" &&
-        [ "$(wc -l <"$work/some")" -eq 8 ] || status=1
-done
-cp "$work/a.obj" "$work/c.obj"
-# What begins crossed has no contacts to be known by, and is not free, also where it is read again.
-printf 'v %d %d %d\n' -1 -1 0 2 -1 0 -1 2 0 0 0 -1 0 0 1 1 0 1 >"$work/x.obj"
-printf 'f 1 2 3\nf 4 5 6\n' >>"$work/x.obj"
-"$PCCDCTL" check --url direct: --json "$work"/{x,x,x}.obj >"$work/one" 2>>"$log"
-[ $? -eq 1 ] && grep -q '"crossings": 2' "$work/one" || status=1
-rm -f "$work/lines-x"
-for count in 2 1; do
-    program "$count" check --deal --json --results "$work/lines-x" "$work"/{x,x,x}.obj >"$work/ranks" 2>>"$log"
-    [ $? -eq 1 ] && diff <(told_of "$work/one") <(told_of "$work/ranks") >>"$log" || status=1
-done
-program 2 check --deal "$work"/{x,x,x}.obj >"$work/out" 2>>"$log"
-grep -qx 'verdict    crossed, and nothing else meets; standing 2 crossings, in the last frame 2; no new crossings' "$work/out" || status=1
-[ $status -eq 0 ] && refused 'other recordings, options' "$work/lines" check --deal \
-    --results "$work/lines" "$work/c.obj" "${sequence[@]:1}" &&
-    { program 2 check --deal "$work/a.obj" "$work/none.obj" "$work/b.obj" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
-    grep -q '^pccd-mpi: rank 0: .*none.obj: No such file' "$log"
-tap_result $? recordings__dealt_check_says_what_pccdctl_says "$log"
-
 # If it failed, each rank would print the help, or a script could not tell wrong usage.
 program 2 replay --steps 3..1 "$work/sheet.rec" >"$work/out" 2>"$log"
 [ $? -eq 2 ] && [ "$(grep -c 'is not A..B' "$log")" -eq 1 ] &&
     program 2 replay --steps 90 "$work/sheet.rec" >"$work/out" 2>"$log"
 [ $? -eq 4 ] && grep -q 'no such step; the last one is 24' "$log" &&
-    { program 2 check --results "$work/lines" "$work/a.obj" "$work/b.obj" >"$work/out" 2>"$log"; [ $? -eq 2 ]; } &&
-    grep -q 'results wants --deal' "$log" &&
     program 2 help verify >"$work/out" 2>"$log" && [ "$(grep -c '^Usage:' "$work/out")" -eq 1 ]
 tap_result $? recordings__usage_is_told_once "$log"
 

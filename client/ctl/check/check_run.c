@@ -236,7 +236,7 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     uint64_t step = run->begun_step;
     int status = PCCD_OK;
     if (is_again || run->begun != motion->number) {
-        status = submit(motion, motion->number, is_again || run->is_apart, &step);
+        status = submit(motion, motion->number, is_again, &step);
     }
     run->begun = 0;
     if (status == PCCD_OK && !is_again) {

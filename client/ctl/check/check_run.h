@@ -89,7 +89,6 @@ struct check_run {
     struct pccd_client *client; /* the caller's */
     struct pccd_step_settings settings;
     uint32_t repeats; /* timed runs after the first; 0: only the first */
-    bool is_apart;    /* steps do not follow each other: each says where it begins */
     uint32_t scene;
     struct report_scene told;
     struct progress *progress; /* the caller's, of all runs of all steps; or NULL */

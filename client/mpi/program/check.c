@@ -6,12 +6,10 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "check_apart.h"
 #include "check_run.h"
 #include "clock.h"
 #include "ctl.h"
 #include "first.h"
-#include "items.h"
 #include "judge.h"
 #include "output.h"
 #include "part.h"
@@ -24,20 +22,7 @@ struct mpi_options {
     struct check_options check;
     struct pccd_mpi_options world;
     bool tells_shares;
-    bool is_dealt;
-    const char *results;
 };
-
-static void check_usage(struct argp_state *state, void *to)
-{
-    const struct mpi_options *options = to;
-    if (!options->is_dealt && options->results != NULL) {
-        option_misused(state, "--results wants --deal");
-    }
-    if (options->is_dealt && (options->tells_shares || options->check.ask.csv != NULL)) {
-        option_misused(state, "--deal excludes --contacts and --shares");
-    }
-}
 
 #define AT(member) offsetof(struct mpi_options, member)
 const struct option_table program_table_check = {
@@ -51,22 +36,16 @@ const struct option_table program_table_check = {
             {"timeout", 0, "MS",
              "Give up waiting for another rank after MS milliseconds (default: 60000)",
              OPTION_U32, .at = AT(world.timeout_ms), .min = 1, .max = 3600000},
-            {"deal", 0, NULL,
-             "Have each step computed by one rank alone, many steps at a time",
-             OPTION_FLAG, .at = AT(is_dealt)},
             {0}},
     .parts = (const struct option_part[]){{&check_table, AT(check)},
-                                          {&items_table, AT(results)},
                                           {&ctl_common_table, 0},
                                           {0}},
-    .check = check_usage,
     .arguments = "MESH_T0 MESH_T1 [MESH_T2...]",
     .text = "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, "
             "then to MESH_T2 and so on, by all ranks of an MPI program. Files, options, "
             "output and exit status are those of pccdctl check; every rank has to be "
             "able to read the files.",
-    .examples = "  mpirun -n 4 pccd-mpi check a.ply b.ply\n"
-                "  mpirun -n 4 pccd-mpi check --deal --results run.jsonl seq%d.ply\n"};
+    .examples = "  mpirun -n 4 pccd-mpi check a.ply b.ply\n"};
 
 /* Everything that lives while the frames are walked through. */
 struct check {
@@ -137,8 +116,6 @@ static int begin_names(struct check *check, struct ctl_error *error)
     if (status == PCCD_OK && check->options->check.ask.csv != NULL) {
         check->csv.has_step = part->files.count > 2;
         check->csv.has_names = tells_objects(check);
-        check->csv.has_touching =
-            check->options->check.settings.touching != PCCD_TOUCHING_KEPT;
         check->csv.objects = &check->objects;
         check->csv.path = check->options->check.ask.csv;
         status = contacts_csv_open(&check->csv, error);
@@ -437,26 +414,6 @@ static int check_together(struct check *check, struct ctl_error *error)
     return walk(check, error);
 }
 
-/* All steps, each by one rank. */
-static int check_dealt(struct check *check, struct ctl_error *error)
-{
-    int status = check_apart(&check->options->check, &check->part, &check->run,
-                             check->options->results, &check->ends, check->steps, error);
-    if (status != PCCD_OK || !together_is_root()) {
-        return status;
-    }
-    print_mesh(check);
-    if (check->is_judged) {
-        take_first(check);
-    }
-    for (uint32_t i = 1; i < check->part.files.count; i++) {
-        struct judged judged = {.number = i, .report = check->steps[i - 1]};
-        judged_set(&judged, NULL);
-        take(check, &judged);
-    }
-    return PCCD_OK;
-}
-
 /* The files, and a place for each step. */
 static int open_files(struct check *check, struct ctl_error *error)
 {
@@ -464,10 +421,8 @@ static int open_files(struct check *check, struct ctl_error *error)
     const struct ctl_frames *files = &check->part.files;
     const struct part_options options = {
         .frames = ask->frames,
-        .is_whole = check->options->is_dealt,
         .names_features = ask->csv != NULL,
-        .names_objects = !check->options->is_dealt &&
-                         check->options->check.settings.mode != PCCD_MODE_ANY};
+        .names_objects = check->options->check.settings.mode != PCCD_MODE_ANY};
     int status =
         part_open(&check->part, ask->files.list, ask->files.count, &options, error);
     if (together_is_root()) {
@@ -497,13 +452,11 @@ static int check_all(struct check *check, struct ctl_error *error)
     }
     const struct check_options *options = &check->options->check;
     check->run.settings = check_step_settings(options);
-    check->judge.leaves_out = options->settings.touching == PCCD_TOUCHING_LEFT_OUT;
     check->judge.is_thick =
         options->settings.separation > 0 || options->ask.object.radius > 0;
-    check->ends.leaves_out = check->judge.leaves_out;
     check->ends.ask = ask_crossings;
     check->ends.context = check;
-    check->is_judged = check->part.files.count > 2 || check->judge.leaves_out;
+    check->is_judged = check->part.files.count > 2;
     check->run.settings.tells_start =
         !check->is_judged || check->run.settings.approach > 0;
     check->told = (struct report_object){.path = options->ask.files.list[0],
@@ -512,8 +465,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     check->run.told = (struct report_scene){.objects = &check->told,
                                             .object_count = 1,
                                             .object_what = options->ask.object.what};
-    return check->options->is_dealt ? check_dealt(check, error)
-                                    : check_together(check, error);
+    return check_together(check, error);
 }
 
 static int report_all(struct check *check, struct ctl_error *error)

@@ -29,7 +29,7 @@ int part_read(struct part *part, uint32_t index, struct ctl_mesh *frame,
     int status = PCCD_OK;
     if (part->is_whole) {
         status = ctl_frames_read(files, index, frame, error);
-        if (status == PCCD_OK && !part->is_kept) {
+        if (status == PCCD_OK) {
             ctl_mesh_keep_part(frame, (uint32_t)together_rank(),
                                (uint32_t)together_size());
         }

@@ -12,7 +12,6 @@
 
 struct part_options {
     struct ctl_frames_options frames;
-    bool is_whole;       /* each rank keeps all */
     bool names_features; /* the root wants part.named */
     bool names_objects;  /* the root wants names of objects, where there are several */
 };
@@ -20,7 +19,6 @@ struct part_options {
 /* Filled by part_open. */
 struct part {
     bool is_whole; /* each rank has all of the shape */
-    bool is_kept;  /* and of the positions */
     /* As pccdctl has them; of the shape this rank's part, unless it is whole. */
     struct ctl_frames files;
     /* On the root, if it is wanted: the shape, with vertices that are joined, and its

@@ -185,7 +185,7 @@ static int open_parts(struct part *part, const struct part_options *options,
 int part_open(struct part *part, char *const *paths, uint32_t path_count,
               const struct part_options *options, struct ctl_error *error)
 {
-    *part = (struct part){.is_whole = options->is_whole, .is_kept = options->is_whole};
+    *part = (struct part){.is_whole = false};
     int status = list_files(part, paths, path_count, error);
     if (status != PCCD_OK) {
         return status;

@@ -17,9 +17,16 @@
 /* ---- options ----------------------------------------------------------------------- */
 
 const struct option_table recordings_table = {
+    .rows =
+        (const struct option_row[]){
+            CTL_OUTPUT,
+            {"results", 0, "FILE",
+             "Write what comes of each step as a line of JSON to FILE when it is done, "
+             "and go on with what is there already",
+             OPTION_TEXT, .at = offsetof(struct recordings_options, results)},
+            {0}},
     .parts = (const struct option_part[]){
         {&play_files_table, offsetof(struct recordings_options, play)},
-        {&items_table, offsetof(struct recordings_options, results)},
         {&ctl_common_table, 0},
         {0}}};
 
@@ -108,21 +115,10 @@ static const struct answers_asked *asked_of(const struct recordings *all, uint64
     return &play_answers(file->reader)->asked[item - file->first];
 }
 
-static bool is_wanted(void *context, uint64_t item)
+/* "step 7 of a.rec" */
+static void describe(const struct recordings *all, uint64_t item, char *text,
+                     size_t bytes)
 {
-    const struct recordings *all = context;
-    return play_is_within(&all->options->play.play, asked_of(all, item)->step);
-}
-
-static bool is_last(void *context, const void *result)
-{
-    const struct recordings *all = context;
-    return all->work->is_last(all->work->context, result);
-}
-
-static void describe(void *context, uint64_t item, char *text, size_t bytes)
-{
-    const struct recordings *all = context;
     (void)snprintf(text, bytes, "step %" PRIu64 " of %.300s", asked_of(all, item)->step,
                    file_of(all, item)->path);
 }
@@ -185,9 +181,8 @@ static int judge_range(const struct recordings *all, struct ctl_error *error)
 }
 
 /* Recordings and options that results depend on. */
-static json_t *depends(void *context)
+static json_t *depends(const struct recordings *all)
 {
-    const struct recordings *all = context;
     const struct play_settings *play = &all->options->play.play;
     char sum[24];
     json_t *files = json_array();
@@ -208,6 +203,157 @@ static json_t *depends(void *context)
                      "settings", settings, "recordings", files);
 }
 
+/* ---- results ----------------------------------------------------------------------- */
+
+static bool is_wanted(const struct recordings *all, uint64_t item)
+{
+    return play_is_within(&all->options->play.play, asked_of(all, item)->step);
+}
+
+static bool is_done(void *context, uint64_t item)
+{
+    const struct recordings *all = context;
+    return all->is_there[item] || item > all->stop || !is_wanted(all, item);
+}
+
+static void keep(struct recordings *all, uint64_t item, const void *result)
+{
+    const struct recordings_work *work = all->work;
+    memcpy(all->made + item * work->result_bytes, result, work->result_bytes);
+    all->is_there[item] = true;
+    if (work->is_last(work->context, result) && item < all->stop) {
+        all->stop = item;
+    }
+}
+
+static int take(void *context, uint64_t item, const void *result, bool *is_last,
+                struct ctl_error *error)
+{
+    struct recordings *all = context;
+    if (all->results.fd >= 0) {
+        json_t *line = all->work->line(result);
+        int status = PCCD_E_NOMEM;
+        if (line != NULL &&
+            json_object_set_new(line, "item", json_integer((json_int_t)item)) == 0) {
+            status = results_append(&all->results, line, error);
+        } else {
+            (void)ctl_error_set(error, status, "no memory for a result");
+        }
+        json_decref(line);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    keep(all, item, result);
+    all->written++;
+    all->last = item;
+    *is_last = item == all->stop;
+    return PCCD_OK;
+}
+
+/* A line that an earlier run has written. */
+static int take_line(void *context, const json_t *line, struct ctl_error *error)
+{
+    struct recordings *all = context;
+    unsigned char result[DEAL_RESULT_BYTES] = {0};
+    const json_t *number = json_object_get(line, "item");
+    uint64_t item = (uint64_t)json_integer_value(number);
+    if (!json_is_integer(number) || item >= all->count ||
+        !all->work->read(line, result)) {
+        return ctl_error_set(error, PCCD_E_FORMAT, "it is no result of this command");
+    }
+    all->found += !all->is_there[item];
+    keep(all, item, result);
+    return PCCD_OK;
+}
+
+static uint64_t count_wanted(const struct recordings *all)
+{
+    uint64_t wanted = 0;
+    for (uint64_t i = 0; i < all->count; i++) {
+        wanted += is_wanted(all, i);
+    }
+    return wanted;
+}
+
+/* "step 7 of a.rec was the last one, 12 of 40 are written", to text[bytes]. */
+static void tell_progress(const struct recordings *all, char *text, size_t bytes)
+{
+    char last[400] = "";
+    if (all->written == 0) {
+        (void)snprintf(text, bytes, "no step was done");
+        return;
+    }
+    describe(all, all->last, last, sizeof last);
+    (void)snprintf(text, bytes, "%s was the last one, %" PRIu64 " of %" PRIu64 " are %s",
+                   last, all->found + all->written, count_wanted(all),
+                   all->results.fd >= 0 ? "written" : "done");
+}
+
+static void interrupted(void *context)
+{
+    char text[512];
+    tell_progress(context, text, sizeof text);
+    (void)ctl_complain("ended by a signal; %s", text);
+}
+
+/* Return the head of a file of results: of which command, version and things they are. */
+static json_t *head_of(const struct recordings *all)
+{
+    char version[32];
+    (void)snprintf(version, sizeof version, "%d.%d.%d", PCCD_VERSION_MAJOR,
+                   PCCD_VERSION_MINOR, PCCD_VERSION_PATCH);
+    json_t *of = depends(all);
+    return of == NULL ? NULL
+                      : json_pack("{s:s, s:s, s:o}", "pccd-mpi", all->work->name,
+                                  "version", version, "of", of);
+}
+
+static int begin(struct recordings *all, const char *path, struct ctl_error *error)
+{
+    all->made = calloc(all->count + 1, all->work->result_bytes);
+    all->is_there = calloc(all->count + 1, sizeof *all->is_there);
+    json_t *head = path != NULL ? head_of(all) : NULL;
+    int status =
+        all->made == NULL || all->is_there == NULL || (path != NULL && head == NULL)
+            ? ctl_error_set(error, PCCD_E_NOMEM, "no memory for the results")
+            : PCCD_OK;
+    if (status == PCCD_OK && path != NULL) {
+        status = results_open(&all->results, path, head, take_line, all, error);
+    }
+    json_decref(head);
+    if (status == PCCD_OK && all->found > 0) {
+        (void)ctl_complain("%s: %" PRIu64 " of %" PRIu64 " steps are there; going on",
+                           path, all->found, count_wanted(all));
+    }
+    return status;
+}
+
+static int deal_all(struct recordings *all, struct ctl_error *error)
+{
+    const struct deal_work dealing = {.count = all->count,
+                                      .result_bytes = all->work->result_bytes,
+                                      .context = all,
+                                      .is_done = is_done,
+                                      .take = take,
+                                      .compute_context = all,
+                                      .compute = compute,
+                                      .interrupted = interrupted};
+    int status = together_agree(
+        together_is_root() ? begin(all, all->options->results, error) : PCCD_OK, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = deal(&dealing, error);
+    if (status != PCCD_OK && together_is_root()) {
+        struct ctl_error why = *error;
+        char text[512];
+        tell_progress(all, text, sizeof text);
+        (void)ctl_error_set(error, status, "%.500s; %s", why.text, text);
+    }
+    return status;
+}
+
 /* ---- all of it --------------------------------------------------------------------- */
 
 /* Add up on the root what each rank has spent on answers. */
@@ -223,7 +369,11 @@ static void add_seconds(struct recordings *all)
 static int run(struct recordings *recordings, const struct recordings_options *options,
                const struct recordings_work *work, struct ctl_error *error)
 {
-    *recordings = (struct recordings){.options = options, .work = work, .threads = 1};
+    *recordings = (struct recordings){.options = options,
+                                      .work = work,
+                                      .results = {.fd = -1},
+                                      .stop = UINT64_MAX,
+                                      .threads = 1};
     int status = pccd_mpi_threads(MPI_COMM_WORLD, &recordings->threads);
     if (status != PCCD_OK) {
         return ctl_error_set(error, status, "MPI has failed");
@@ -238,19 +388,7 @@ static int run(struct recordings *recordings, const struct recordings_options *o
     if (status != PCCD_OK) {
         return status;
     }
-    recordings->dealt_work = (struct items_work){.name = work->name,
-                                                 .count = recordings->count,
-                                                 .result_bytes = work->result_bytes,
-                                                 .context = recordings,
-                                                 .compute = compute,
-                                                 .is_wanted = is_wanted,
-                                                 .is_last = is_last,
-                                                 .line = work->line,
-                                                 .read = work->read,
-                                                 .depends = depends,
-                                                 .describe = describe};
-    status =
-        items_run(&recordings->items, &recordings->dealt_work, options->results, error);
+    status = deal_all(recordings, error);
     add_seconds(recordings);
     return status;
 }
@@ -258,7 +396,10 @@ static int run(struct recordings *recordings, const struct recordings_options *o
 const void *recordings_result(const struct recordings *recordings,
                               const struct recording *file, uint64_t place)
 {
-    return items_result(&recordings->items, file->first + place);
+    const uint64_t item = file->first + place;
+    return recordings->is_there[item] && is_wanted(recordings, item)
+               ? recordings->made + item * recordings->work->result_bytes
+               : NULL;
 }
 
 static void close_all(struct recordings *recordings)
@@ -266,7 +407,9 @@ static void close_all(struct recordings *recordings)
     for (uint32_t i = 0; i < recordings->file_count; i++) {
         play_close(recordings->files[i].reader);
     }
-    items_deinit(&recordings->items);
+    results_close(&recordings->results);
+    free(recordings->made);
+    free(recordings->is_there);
     free(recordings->files);
 }
 
@@ -292,7 +435,7 @@ static int report(const struct recordings *all, bool *is_right, struct ctl_error
         const struct recording *file = &all->files[i];
         struct play_settings settings = options->play;
         bool is_file_right = true;
-        if (file->first > all->items.stop) {
+        if (file->first > all->stop) {
             break;
         }
         if (all->file_count > 1 && !options->is_json) {
@@ -313,7 +456,7 @@ int recordings_command(struct recordings_options *options,
                        const struct option_table *table, int argc, char **argv,
                        void *input, const struct recordings_work *work)
 {
-    struct recordings all = {.file_count = 0};
+    struct recordings all = {.results = {.fd = -1}};
     struct ctl_error error = {.text = ""};
     bool is_right = true;
     int status = together_parse(table, argc, argv, input);

@@ -13,9 +13,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "items.h"
+#include "deal.h"
 #include "play.h"
 #include "play_options.h"
+#include "results.h"
 
 struct answers_asked;
 struct recording;
@@ -63,8 +64,14 @@ struct recordings {
     struct recording *files;
     uint32_t file_count;
     uint64_t count; /* items of all files */
-    struct items items;
-    struct items_work dealt_work;
+    /* What came of the items, on the root. */
+    unsigned char *made; /* [count] of work->result_bytes */
+    bool *is_there;      /* [count] */
+    struct results results;
+    uint64_t stop;    /* the least item behind which none counts */
+    uint64_t found;   /* results that were in the file */
+    uint64_t written; /* results of this run */
+    uint64_t last;    /* item of the last one */
     /* On the rank that computes. */
     struct deal *deal;
     struct recording *now;
