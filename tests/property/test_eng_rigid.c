@@ -500,8 +500,8 @@ CASE(rigid__what_rounding_brings_together_meets)
 #define SIDE   24u
 #define ACROSS (SIDE + 1)
 
-/* Two sheets turn about their middles in a step, one above the other. */
-static void turn_sheets(struct player *player, double from, double to)
+/* Two sheets turn about their middles in a step, one so far above the other. */
+static void turn_sheets(struct player *player, double from, double to, double above)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     struct eng_step_result result;
@@ -516,16 +516,17 @@ static void turn_sheets(struct player *player, double from, double to)
             m[1] = -sin(angle);
             m[4] = sin(angle);
             m[10] = 1;
-            m[11] = 4.0 * i;
+            m[11] = above * i;
         }
         player_act(player, &pose);
     }
     assert_int_equal(player_step(player, &settings, &result), PCCD_OK);
 }
 
-/* If this failed, bodies that turn by much in a step would be tested in body space, where
- * that takes several times as long: their leaves sweep by far more than their size. */
-CASE(rigid__what_turns_far_is_not_tested_in_body_space)
+/* If this failed, bodies that turn by much in a step, or are near each other, would be
+ * tested in body space, where that takes several times as long: their leaves sweep by far
+ * more than their size, and many are beside each other. */
+CASE(rigid__what_turns_far_or_is_near_is_not_tested_in_body_space)
 {
     static double x[ACROSS * ACROSS][3];
     static uint32_t triangles[2 * SIDE * SIDE][3];
@@ -533,6 +534,7 @@ CASE(rigid__what_turns_far_is_not_tested_in_body_space)
     for (uint32_t i = 0; i < ACROSS * ACROSS; i++) {
         x[i][0] = (double)(i % ACROSS) / SIDE - 0.5;
         x[i][1] = (double)(i / ACROSS) / SIDE - 0.5;
+        x[i][2] = i % 2 * 0x1p-6; /* rough */
     }
     for (uint32_t i = 0; i < SIDE * SIDE; i++) {
         uint32_t v = i / SIDE * ACROSS + i % SIDE;
@@ -540,25 +542,28 @@ CASE(rigid__what_turns_far_is_not_tested_in_body_space)
         uint32_t two[2][3] = {{v, v + 1, w}, {v + 1, w + 1, w}};
         memcpy(triangles[2 * i], two, sizeof two);
     }
-    player_init(&player, NULL);
-    for (uint32_t i = 0; i < 2; i++) {
-        player_act(&player, &(struct play_act){.what = PLAY_ADD,
-                                               .object_id = i,
-                                               .vertex_count = ACROSS * ACROSS,
-                                               .triangle_count = 2 * SIDE * SIDE,
-                                               .x0 = x,
-                                               .triangles = triangles});
-        filters_set(&player.filters, player.scene,
-                    (struct filters_place){i, player.objects[i].idx},
-                    (struct eng_object_filter){1, 1, false});
+    for (int is_near = 0; is_near < 2; is_near++) {
+        player_init(&player, NULL);
+        for (uint32_t i = 0; i < 2; i++) {
+            player_act(&player, &(struct play_act){.what = PLAY_ADD,
+                                                   .object_id = i,
+                                                   .vertex_count = ACROSS * ACROSS,
+                                                   .triangle_count = 2 * SIDE * SIDE,
+                                                   .x0 = x,
+                                                   .triangles = triangles});
+            filters_set(&player.filters, player.scene,
+                        (struct filters_place){i, player.objects[i].idx},
+                        (struct eng_object_filter){1, 1, false});
+        }
+        double angle = 0;
+        for (int step = 0; step < 100 && !way_was_by_bodies(player.scene); step++) {
+            turn_sheets(&player, angle, angle + 0.1, 4);
+            angle += 0.1;
+        }
+        assert_true(way_was_by_bodies(player.scene));
+        turn_sheets(&player, angle, angle + (is_near ? 0.1 : 1), is_near ? 0x1p-8 : 4);
+        turn_sheets(&player, angle, angle + 0.1, 4); /* nor is what comes after it */
+        assert_false(way_was_by_bodies(player.scene));
+        player_deinit(&player);
     }
-    double angle = 0;
-    for (int step = 0; step < 100 && !way_was_by_bodies(player.scene); step++) {
-        turn_sheets(&player, angle, angle + 0.1);
-        angle += 0.1;
-    }
-    assert_true(way_was_by_bodies(player.scene));
-    turn_sheets(&player, angle, angle + 1);
-    assert_false(way_was_by_bodies(player.scene));
-    player_deinit(&player);
 }
