@@ -189,16 +189,11 @@ function weightsOf(kind, u, v) {
 /** Put where something of an object is at a time into `places`, as number `place`: it is at number
  * `i` of `from` at t = 0 and of `to` at t = 1. */
 function putPlace(poseAt, from, to, i, t, places, place) {
-  const [x, y, z] = [from[3 * i], from[3 * i + 1], from[3 * i + 2]];
-  if (poseAt) {
-    const { elements: m } = poseAt(t);
-    for (let k = 0; k < 3; k++) {
-      places[3 * place + k] = m[k] * x + m[4 + k] * y + m[8 + k] * z + m[12 + k];
-    }
-  } else {
-    places[3 * place] = x + t * (to[3 * i] - x);
-    places[3 * place + 1] = y + t * (to[3 * i + 1] - y);
-    places[3 * place + 2] = z + t * (to[3 * i + 2] - z);
+  const m = poseAt?.(t).elements;
+  for (let k = 0; k < 3; k++) {
+    const x = from[3 * i + k];
+    places[3 * place + k] = m ? m[k] * from[3 * i] + m[4 + k] * from[3 * i + 1] + m[8 + k] * from[3 * i + 2] + m[12 + k]
+      : x + t * (to[3 * i + k] - x);
   }
   return places;
 }
@@ -206,11 +201,15 @@ function putPlace(poseAt, from, to, i, t, places, place) {
 /** Where a vertex of an object is at a time. */
 export const vertexAt = ({ poseAt, x0, x1 }, vertex, t) => putPlace(poseAt, x0, x1, vertex, t, [0, 0, 0], 0);
 
-/** Where all of them are. */
-export function verticesAt({ poseAt, x0, x1, mesh }, t) {
-  const places = new Float32Array(3 * mesh.vertexCount);
-  for (let i = 0; i < mesh.vertexCount; i++) {
-    putPlace(poseAt, x0, x1, i, t, places, i);
+/** Where all of them are: a loop over arrays of one type is several times as fast as calls. */
+export function verticesAt({ poseAt, x0, x1 }, t) {
+  const m = poseAt?.(t).elements;
+  const places = new Float32Array(x0.length);
+  for (let i = 0; i < x0.length; i += 3) {
+    for (let k = 0; k < 3; k++) {
+      places[i + k] = m ? m[k] * x0[i] + m[4 + k] * x0[i + 1] + m[8 + k] * x0[i + 2] + m[12 + k]
+        : x0[i + k] + t * (x1[i + k] - x0[i + k]);
+    }
   }
   return places;
 }

@@ -108,13 +108,17 @@ export function extentOf(objects, gap) {
   for (const object of objects) {
     const { x0, x1, radius, mesh, poseAt } = object;
     const isRound = gap !== null || mesh.rods.length > 0 || mesh.points.length > 0;
-    const most = radius > 0 || !mesh.radii ? radius : mesh.radii.reduce((a, b) => Math.max(a, b), 0);
-    const room = isRound ? most + (gap ?? 0) : 0;
+    const thick = radius > 0 || !mesh.radii ? radius : mesh.radii.reduce((a, b) => Math.max(a, b), 0);
+    const room = isRound ? thick + (gap ?? 0) : 0;
     for (const x of poseAt ? TIMES.map((t) => verticesAt(object, t)) : [x0, x1]) {
-      for (let i = 0; i < x.length; i++) {
-        const k = i % 3;
-        low[k] = Math.min(low[k], x[i] - room);
-        high[k] = Math.max(high[k], x[i] + room);
+      for (let k = 0; k < 3; k++) {
+        let [least, most] = [Infinity, -Infinity];
+        for (let i = k; i < x.length; i += 3) {
+          least = Math.min(least, x[i]);
+          most = Math.max(most, x[i]);
+        }
+        low[k] = Math.min(low[k], least - room);
+        high[k] = Math.max(high[k], most + room);
       }
     }
   }
