@@ -6,7 +6,7 @@
 #include "wide_state.h"
 
 #define CELL        0x1p-3
-#define SIDE        24u /* squares of the cloth: features of several blocks and nodes */
+#define SIDE        16u /* squares of the cloth: features of several blocks and nodes */
 #define PATCH_FIRST (11 * (SIDE + 1) + 9) /* of the cloth, where it crosses the floor */
 #define SOUP        6000u
 #define TORN        900u
@@ -184,8 +184,9 @@ static void for_each_way(void (*happen)(struct world *))
     for (uint32_t way = 0; way < 2 * WAY_METHODS; way++) {
         struct world world;
         begin(&world, way_methods[way / 2], 1 + way % 2);
-        /* The other method keeps nothing of an answer about bounds. */
-        world.asks_bounds = way_methods[way / 2] == PCCD_METHOD_WIDE;
+        /* The other method keeps nothing of an answer about bounds; a fresh scene takes
+         * long to find them. */
+        world.asks_bounds = way_methods[way / 2] == PCCD_METHOD_WIDE && way % 2 == 1;
         go_on(&world, 1);
         happen(&world);
         go_on(&world, 2);
