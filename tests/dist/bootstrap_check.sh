@@ -84,4 +84,13 @@ bootstrap_with user demo all && grep -q 'make .*demo-programs$' "$work/calls" &&
 # If it failed, the picture would wait for all that is not in it, and nobody would know how long.
 tap_result $? bootstrap__builds_for_the_demo_what_it_needs "$log"
 
+what=check
+bootstrap_with user demo all # nothing has passed
+for part in idle alone beside; do
+    grep -q "make .*check-$part\$" "$work/calls" || echo "not run: check-$part"
+done >>"$log"
+! grep '^not run' "$log" && grep -q '^0 passed, 1 failed, 0 skipped$\|^0 passed, 0 failed, 0 skipped$' "$log"
+# If it failed, a part of the tests would not be run, and nobody would know.
+tap_result $? bootstrap__checks_by_all_three_parts "$log"
+
 tap_end
