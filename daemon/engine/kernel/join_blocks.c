@@ -161,11 +161,10 @@ ENG_INLINE eng_fi apart_as_pairs(struct bounds box, struct bounds rows, uint32_t
     return rule == RULE_QUANTISED_NEAR ? eng_fi_or_or(h0[0], h0[1], h0[2]) : signs;
 }
 
-/* Bit i: the box may meet that in lane i. */
-ENG_INLINE uint32_t overlap(struct bounds box, struct bounds rows, enum rule rule,
-                            eng_f until)
+/* The lanes whose box this one may meet. */
+ENG_INLINE void overlap(struct bounds box, struct bounds rows, enum rule rule,
+                        eng_f until, eng_left left[PARTS])
 {
-    eng_left left[PARTS];
     UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
         uint32_t at = part * ENG_F_LANES;
@@ -173,7 +172,6 @@ ENG_INLINE uint32_t overlap(struct bounds box, struct bounds rows, enum rule rul
                          ? eng_left_of_halves(apart_as_pairs(box, rows, at, rule))
                          : eng_left_of(apart_as_floats(box, rows, at, rule, until));
     }
-    return eng_left_bits16(left);
 }
 
 /* ---- boxes that stand still ------------------------------------------------------ */
@@ -322,13 +320,12 @@ ENG_INLINE uint32_t quantised_growth(uint32_t farthest, float t_end)
     return growth < ENG_QUANTISED_GROWTH_MAX ? 1 + (uint32_t)growth : 0;
 }
 
-/* Bit i: the box may meet that in lane i while numbers grow by `growth` together.
+/* The lanes whose box this one may meet while numbers grow by `growth` together.
  * `turned`: the box, against rows that are not (quantised.h). */
-ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bool turned,
-                                       uint32_t growth)
+ENG_INLINE void overlap_from_begin(struct bounds box, struct bounds rows, bool turned,
+                                   uint32_t growth, eng_left left[PARTS])
 {
     eng_fi grown[3];
-    eng_left left[PARTS];
 #pragma GCC unroll 3
     for (uint32_t axis = 0; axis < 3; axis++) {
         eng_fi words = eng_fi_all(word_of(box, 0, axis));
@@ -346,7 +343,6 @@ ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bo
         }
         left[part] = eng_left_of_halves(eng_fi_or_or(h[0], h[1], h[2]));
     }
-    return eng_left_bits16(left);
 }
 
 /* ---- axes and time --------------------------------------------------------------- */
@@ -744,6 +740,17 @@ ENG_INLINE struct until until_as_rules_ask(const struct eng_join *job)
 
 /* ---- boxes that meet --------------------------------------------------------------- */
 
+/* By either. */
+ENG_INLINE void overlap_by(struct bounds box, struct bounds rows, enum rule rule,
+                           bool turned, struct until until, eng_left left[PARTS])
+{
+    if (rule == RULE_QUANTISED_BEGIN) {
+        overlap_from_begin(box, rows, turned, until.growth, left);
+    } else {
+        overlap(box, rows, rule, until.weight, left);
+    }
+}
+
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
  * where either is from sides->a and sides->b on, and which they are in their runs.
  * Returns how many. Of a run with itself, `self`, those of two blocks alone, and the
@@ -761,9 +768,9 @@ ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *roun
         uint32_t m = round->b[round->count + i] % ENG_WIDE;
         struct bounds around = {sides->around + m * around_stride(rule), 4, 1};
         struct bounds rows = rows_at(sides->a + n * stride, rule);
-        uint32_t bits = rule == RULE_QUANTISED_BEGIN
-                            ? overlap_from_begin(around, rows, false, until.growth)
-                            : overlap(around, rows, rule, until.weight);
+        eng_left left[PARTS];
+        overlap_by(around, rows, rule, false, until, left);
+        uint32_t bits = eng_left_bits16(left);
         if (self) {
             uint32_t is_one = n == m;
             selves |= is_one << n;
@@ -832,31 +839,45 @@ ENG_INLINE void look_at_corners(const struct eng_join *job, struct sides *sides,
     }
 }
 
-/* The lanes of block m whose features have no vertex of feature `slot`. */
-ENG_INLINE uint32_t without_vertices(const struct sides *sides, uint32_t slot, uint32_t m,
-                                     struct wants wants)
+/* Find the lanes of block m whose features have no vertex of feature `slot`. */
+ENG_INLINE void find_without_vertices(const struct sides *sides, uint32_t slot,
+                                      uint32_t m, struct wants wants,
+                                      eng_left without[PARTS])
 {
     const uint32_t *own[3] = {sides->b_corner[0], sides->b_corner[1], sides->b_corner[2]};
     uint32_t vertex[2] = {sides->first_a * ENG_WIDE + slot, 0};
-    eng_left left[PARTS];
     if (wants.a_vertices == 2) {
         vertex[0] = sides->a_corner[0][slot];
         vertex[1] = sides->a_corner[1][slot];
     }
     UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
-        left[part] = eng_left_all();
+        without[part] = eng_left_all();
 #pragma GCC unroll 3
         for (uint32_t k = 0; k < wants.b_vertices; k++) {
             eng_fi lanes = eng_fi_load(own[k] + m * ENG_WIDE + part * ENG_F_LANES);
 #pragma GCC unroll 2
             for (uint32_t i = 0; i < wants.a_vertices; i++) {
-                left[part] =
-                    eng_left_unequal(left[part], lanes, eng_fi_all(vertex[i]));
+                without[part] =
+                    eng_left_unequal(without[part], lanes, eng_fi_all(vertex[i]));
             }
         }
     }
-    return eng_left_bits16(left);
+}
+
+/* Return the lanes that are left in both as bits: vectors become bits once. */
+ENG_INLINE uint32_t bits_in_both(const eng_left a[PARTS], const eng_left b[PARTS])
+{
+#if ENG_VECTOR_BYTES == 64
+    return eng_left_bits16(a) & eng_left_bits16(b);
+#else
+    eng_left both[PARTS];
+    UNROLL_PARTS
+    for (uint32_t part = 0; part < PARTS; part++) {
+        both[part] = a[part] | b[part];
+    }
+    return eng_left_bits16(both);
+#endif
 }
 
 /* Lanes of b that a box of a has pairs with. */
@@ -865,13 +886,14 @@ ENG_INLINE uint32_t lanes_of(const struct sides *sides, uint32_t place, uint32_t
 {
     struct bounds a = rows_at(sides->a + (place & 0xffff), rule);
     struct bounds b = rows_at(sides->b + (place >> 16), rule);
-    uint32_t bits = rule == RULE_QUANTISED_BEGIN
-                        ? overlap_from_begin(a, b, true, until.growth)
-                        : overlap(a, b, rule, until.weight);
-    if (wants.a_vertices > 0) {
-        bits &= without_vertices(sides, box & 0xff, box >> 8, wants);
+    eng_left left[PARTS];
+    eng_left without[PARTS];
+    overlap_by(a, b, rule, true, until, left);
+    if (wants.a_vertices == 0) {
+        return eng_left_bits16(left);
     }
-    return bits;
+    find_without_vertices(sides, box & 0xff, box >> 8, wants, without);
+    return bits_in_both(left, without);
 }
 
 /* Keep those of `count` boxes with pairs that are wanted, and the lanes of these. */
@@ -1031,8 +1053,10 @@ ENG_INLINE uint32_t lanes_of_held(const struct eng_join *job, uint32_t slot,
 /* The boxes of block n of a that meet the box around block m of b: one bit each. */
 ENG_INLINE uint32_t boxes_met(const struct eng_join *job, uint32_t n, uint32_t m)
 {
-    return overlap((struct bounds){&job->b_boxes[m], 4, 1},
-                   rows_at((const void *)&job->a[n], RULE_SWEPT), RULE_SWEPT, (eng_f){0});
+    eng_left left[PARTS];
+    overlap((struct bounds){&job->b_boxes[m], 4, 1},
+            rows_at((const void *)&job->a[n], RULE_SWEPT), RULE_SWEPT, (eng_f){0}, left);
+    return eng_left_bits16(left);
 }
 
 /* One pair of blocks after the other, without a list: where boxes have seven pairs or so
@@ -1144,7 +1168,7 @@ uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, struct eng_join_round *rou
 /* Two different features of one vertex each have none in common. Features of both sides
  * are in one list if they have as many points. */
 #define JOIN_FEATURES(NAME, value, name, points_a, points_b, text)                       \
-    static_assert((points_a) <= 2 && (points_b) <= 3, "without_vertices");               \
+    static_assert((points_a) <= 2 && (points_b) <= 3, "find_without_vertices");          \
     uint32_t ENG_KERNEL(join_##name)(struct eng_join * job,                              \
                                      struct eng_join_round * round, uint32_t * out_a,    \
                                      uint32_t * out_b, uint32_t room)                    \
