@@ -240,10 +240,10 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     }
     run->begun = 0;
     if (status == PCCD_OK && !is_again) {
+        if (run->meanwhile != NULL) {
+            run->meanwhile(run->owner);
+        }
         begin_next(motion);
-    }
-    if (status == PCCD_OK && !is_again && run->meanwhile != NULL) {
-        run->meanwhile(run->owner);
     }
     status = status == PCCD_OK ? pccd_wait(run->client, step, -1, answer) : status;
     if (status == PCCD_OK && run->begun > 0 && !run->may_stay(run->owner, answer)) {

@@ -93,13 +93,13 @@ struct check_run {
     struct report_scene told;
     struct progress *progress; /* the caller's, of all runs of all steps; or NULL */
     struct objects *objects;   /* the caller's, or NULL: of each step, which ones meet */
-    /* Called once in each step while the daemon computes: may the next one begin, whose
-     * frame is read then? If so, with its answer: was that right, as nobody asks where
-     * the objects are before the next step? Then, as the daemon has enough to do, for
-     * whatever is left. And with each page that is shown. Or NULL. */
+    /* Called once in each step while the daemon computes. Then: may the next one begin,
+     * whose frame is read by that? If so, with the answer to this one: was that right, as
+     * nobody asks where the objects are before the next step? And with each page that is
+     * shown. Or NULL. */
+    void (*meanwhile)(void *owner);
     bool (*goes_on)(void *owner);
     bool (*may_stay)(void *owner, const struct pccd_answer *answer);
-    void (*meanwhile)(void *owner);
     void (*note)(void *owner, const struct pccd_answer *page);
     void *owner;
     uint32_t begun; /* this step was begun early; 0: none was */

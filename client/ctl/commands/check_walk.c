@@ -269,8 +269,8 @@ static bool goes_on(void *context)
 {
     struct walk *walk = context;
     const struct report_step step = {.is_complete = true};
-    const uint32_t next = walk->at + 2 + walk->has_pending;
-    if (next > walk->end) {
+    const uint32_t next = walk->at + 2; /* the step before was ended meanwhile */
+    if (next > walk->end || walk->pending_status != PCCD_OK) {
         return false;
     }
     walk->ahead = next;

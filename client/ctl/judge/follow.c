@@ -218,6 +218,7 @@ void follow_note(struct follow *follow, const struct pccd_answer *page)
 int follow_begin(struct follow *follow, struct scene *scene, struct ctl_error *error)
 {
     follow->scene = scene;
+    follow->is_whole = true;
     follow->meshes = calloc(scene->object_count, sizeof *follow->meshes);
     return follow->meshes != NULL
                ? PCCD_OK

@@ -121,23 +121,25 @@ static int judge_size(struct ctl_file *file, struct cache *cache, uint32_t frame
                : refuse_size(file, "", frames, vertices, cache->bytes, file->error);
 }
 
-/* Return whether all are coordinates. Without its sign a number is the larger, the larger
- * its bits are, and what is no number has larger ones still. */
-static bool largest_is_coordinate(const float *x, uint32_t vertex_count)
+/* Return whether all are far below what no coordinate may exceed, by their bits without
+ * the sign, four at a time: a cache is read as fast as a disk, and compilers leave the
+ * plain loop as it is. */
+static bool are_small(const float *x, uint64_t count)
 {
-    uint32_t largest[3] = {0, 0, 0};
-    for (uint32_t v = 0; v < vertex_count; v++) {
-        uint32_t bits[3];
-        memcpy(bits, x + 3 * (size_t)v, sizeof bits);
-        for (int k = 0; k < 3; k++) {
-            bits[k] &= UINT32_MAX >> 1;
-            largest[k] = bits[k] > largest[k] ? bits[k] : largest[k];
-        }
+    typedef int32_t words __attribute__((vector_size(16)));
+    const float most = (float)(PROTO_COORDINATE_MAX / 2);
+    int32_t bits;
+    memcpy(&bits, &most, sizeof bits);
+    words now, large = {0};
+    uint64_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        memcpy(&now, x + i, sizeof now);
+        large |= (now & INT32_MAX) > bits;
     }
-    float of[3];
-    memcpy(of, largest, sizeof of);
-    return common_is_coordinate((double)of[0]) && common_is_coordinate((double)of[1]) &&
-           common_is_coordinate((double)of[2]);
+    now = (words){0};
+    memcpy(&now, x + i, (count - i) * sizeof *x);
+    large |= (now & INT32_MAX) > bits;
+    return (large[0] | large[1] | large[2] | large[3]) == 0;
 }
 
 static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
@@ -162,7 +164,7 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
     for (uint64_t i = 0; i < count && cache->kind.is_mdd; i++) {
         to[i] = float_at(cache, (const char *)&to[i]);
     }
-    uint64_t index = largest_is_coordinate(to, motion->vertex_count) ? count : 0;
+    uint64_t index = are_small(to, count) ? count : 0;
     while (index < count && common_is_coordinate((double)to[index])) {
         index++;
     }
