@@ -116,17 +116,6 @@ static const char *judge(struct fuzz_thick_run *run, const struct fuzz_thick_cas
     return NULL;
 }
 
-const char *fuzz_thick_judge(struct fuzz_thick_run *run,
-                             const struct fuzz_thick_case *made,
-                             enum eng_thick_stage first)
-{
-    struct eng_hit hit;
-    struct fuzz_thick_truth truth = fuzz_thick_truth_of(made);
-    const char *what = judge(run, made, first, &truth, &hit);
-    oracle_first_free(truth.first);
-    return what;
-}
-
 bool fuzz_thick_same_hit(const struct eng_hit *a, const struct eng_hit *b)
 {
     return a->flags == b->flags && memcmp(&a->toi, &b->toi, sizeof a->toi) == 0 &&

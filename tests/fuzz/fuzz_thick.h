@@ -88,11 +88,6 @@ const char *fuzz_thick_judge_hit(const struct fuzz_thick_case *made,
                                  const struct fuzz_thick_truth *truth,
                                  const struct eng_hit *hit);
 
-/* Return what is wrong with the engine's answer to a case from `first` on, or NULL. */
-const char *fuzz_thick_judge(struct fuzz_thick_run *run,
-                             const struct fuzz_thick_case *made,
-                             enum eng_thick_stage first);
-
 bool fuzz_thick_same_hit(const struct eng_hit *a, const struct eng_hit *b);
 /* A case, and what is wrong with a hit. */
 void fuzz_thick_print(FILE *log, const struct fuzz_thick_case *made,

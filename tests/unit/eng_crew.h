@@ -36,6 +36,4 @@ struct eng_question crew_alone(enum pccd_mode mode);
 struct eng_question crew_team(enum pccd_mode mode, size_t i);
 size_t crew_count(void);
 
-#define CREW_TEST(name) cmocka_unit_test_setup_teardown(name, crew_setup, crew_teardown)
-
 #endif

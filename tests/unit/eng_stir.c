@@ -422,13 +422,6 @@ static void push_patch(struct stir *stir, struct acts *acts,
     }
 }
 
-void stir_patch(struct stir *stir, uint32_t at, uint32_t reach)
-{
-    struct acts acts = {.count = 0};
-    push_patch(stir, &acts, &stir->player.objects[at], reach);
-    perform(stir, &acts);
-}
-
 /* The last motion of an object once more. */
 static void push_again(struct acts *acts, const struct player_object *object)
 {
@@ -436,15 +429,6 @@ static void push_again(struct acts *acts, const struct player_object *object)
     if (act) {
         memcpy(act->x0, object->x0, object->vertex_count * sizeof *act->x0);
     }
-}
-
-void stir_again(struct stir *stir)
-{
-    struct acts acts = {.count = 0};
-    for (uint32_t i = 0; i < stir->player.object_count; i++) {
-        push_again(&acts, &stir->player.objects[i]);
-    }
-    perform(stir, &acts);
 }
 
 /* Bytes that are there already, in some form. */

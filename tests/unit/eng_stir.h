@@ -50,9 +50,5 @@ void stir_move(struct stir *stir);
 void stir_add(struct stir *stir);
 void stir_remove(struct stir *stir, uint32_t at);
 void stir_replace(struct stir *stir, uint32_t at);
-/* A few vertices of player.objects[at], each by at most `reach` units. */
-void stir_patch(struct stir *stir, uint32_t at, uint32_t reach);
-/* Everything moves as it did in the last step. */
-void stir_again(struct stir *stir);
 
 #endif

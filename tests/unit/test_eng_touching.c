@@ -3,9 +3,6 @@
 
 #include "world.h"
 
-#define FLOOR 1u
-#define BOX   2u
-
 /* Where a box goes: all of it, and its half x > 0.5 by so much more. */
 struct way {
     double by[3];
