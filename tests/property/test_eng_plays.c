@@ -16,7 +16,7 @@
 
 #define ROUNDS          20
 #define SMALL_TRIANGLES 60
-#define TEAM_TRIANGLES  1200 /* the engine runs smaller scenes on one thread */
+#define TEAM_TRIANGLES  400 /* for all threads of a team something to do */
 
 /* Sums of what was judged, for the report. */
 static struct judge_sums sums[PLAY_KINDS];

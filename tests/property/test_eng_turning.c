@@ -190,7 +190,7 @@ static void check(struct trial *trial)
 static uint64_t wanted(void)
 {
     const char *text = getenv("PCCD_TURNING_MOTIONS");
-    return text ? (uint64_t)strtod(text, NULL) : 40000;
+    return text ? (uint64_t)strtod(text, NULL) : 20000;
 }
 
 /* If it failed: something would pass through something unseen, or be stopped by what it
