@@ -72,7 +72,7 @@ static void try_pair(const struct oracle_object *objects, enum oracle_kind kind,
                      struct oracle_contacts *contacts)
 {
     double p[8][3];
-    if (!boxes_meet(a, b) || oracle_features_share_vertex(a, b)) {
+    if (oracle_features_share_vertex(a, b)) {
         return;
     }
     if (kind == ORACLE_VF) {
@@ -144,7 +144,8 @@ void oracle_scene_where(const struct oracle_object *objects, uint32_t object_cou
         for (size_t j = 0; j < faces.count; j++) {
             const struct oracle_feature *vertex = &vertices.items[i];
             const struct oracle_feature *face = &faces.items[j];
-            if (may_meet(context, objects[vertex->object].object_id,
+            if (boxes_meet(vertex, face) &&
+                may_meet(context, objects[vertex->object].object_id,
                          objects[face->object].object_id)) {
                 try_pair(objects, ORACLE_VF, vertex, face, contacts);
             }
@@ -154,8 +155,8 @@ void oracle_scene_where(const struct oracle_object *objects, uint32_t object_cou
         for (size_t j = i + 1; j < edges.count; j++) {
             const struct oracle_feature *a = &edges.items[i];
             const struct oracle_feature *b = &edges.items[j];
-            if (may_meet(context, objects[a->object].object_id,
-                         objects[b->object].object_id)) {
+            if (boxes_meet(a, b) && may_meet(context, objects[a->object].object_id,
+                                             objects[b->object].object_id)) {
                 try_pair(objects, ORACLE_EE, a, b, contacts);
             }
         }
