@@ -153,6 +153,7 @@ for what in "${@:-all}"; do
         replay) replay_all ;;
         model) model ;;
         smoke)
+            ranks_rest=yes
             counts='1 4'
             scenes='layers=12,5,21,3'
             steady=layers=12,5,61,0

@@ -15,6 +15,9 @@ tests_mpi_misuse_LDADD = $(mpi_test_libs)
 tests_mpi_rounding_LDADD = $(mpi_test_libs)
 tests_mpi_same_as_one_LDADD = libtests.la $(mpi_test_libs) $(GMP_LIBS)
 tests_mpi_stop_LDADD = $(mpi_test_libs) -lpthread
+check_LTLIBRARIES += tests/mpi/rest.la
+tests_mpi_rest_la_SOURCES = tests/mpi/rest.c
+tests_mpi_rest_la_LDFLAGS = -module -avoid-version -rpath $(abs_builddir)/tests/mpi
 endif
 
 # All of it, by both MPIs, each in a build of its own.
@@ -25,7 +28,7 @@ mpi-check:
 	    { test -e Makefile || \
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
-	    $(MAKE) all $(mpi_check_programs) && \
+	    $(MAKE) all tests/mpi/rest.la $(mpi_check_programs) && \
 	    RANKS_SECONDS=1800 $(MAKE) check-TESTS PCCD_MPI_ALL=1 \
 	        check_PROGRAMS='$(mpi_check_programs)' \
 	        TESTS='$(mpi_test_scripts)' || status=1; \

@@ -7,6 +7,7 @@ set -u
 . "$top_srcdir/tests/support/tap.sh"
 # shellcheck source=tests/mpi/ranks.sh
 . "$top_srcdir/tests/mpi/ranks.sh"
+ranks_rest=yes
 
 all=${PCCD_MPI_ALL:-0}
 counts='1 2 3 4 8'

@@ -6,6 +6,7 @@ set -u
 . "$top_srcdir/tests/support/tap.sh"
 # shellcheck source=tests/mpi/ranks.sh
 . "$top_srcdir/tests/mpi/ranks.sh"
+ranks_rest=yes
 # shellcheck source=tests/python/find.sh
 . "$top_srcdir/tests/python/find.sh"
 

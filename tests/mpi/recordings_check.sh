@@ -8,6 +8,7 @@ set -u
 . "$top_srcdir/tests/support/tap.sh"
 # shellcheck source=tests/mpi/ranks.sh
 . "$top_srcdir/tests/mpi/ranks.sh"
+ranks_rest=yes
 # shellcheck source=tests/python/find.sh
 . "$top_srcdir/tests/python/find.sh"
 
@@ -212,7 +213,7 @@ begin() {
     ranks 3 bash "$work/rank.sh" "$work" "$top_builddir/pccd-mpi" "${slow[@]}" \
         >"$work/out" 2>"$log" &
     starter=$!
-    for _ in {1..400}; do
+    for _ in {1..2000}; do
         [ -e "$work/k" ] && [ "$(wc -l <"$work/k")" -gt 4 ] && break
         sleep 0.02
     done
