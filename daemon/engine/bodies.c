@@ -25,6 +25,10 @@
  * time, and has boxes of features. */
 #define PAIRS_PART 4u
 
+/* Meshes with so small a part of the leaves that move get their trees in the step itself:
+ * they are in many objects, and this takes less time than to make the boxes of these. */
+#define SHARED_PART 16u
+
 /* Steps until the next one in body space, after one that was not. */
 #define WAIT_FIRST 32u
 #define WAIT_MOST  1024u
@@ -142,15 +146,22 @@ static bool pays(const struct eng_scene *scene, const struct sum *sum)
            sum->leaves >= FAR_PARTS * sum->far;
 }
 
-/* For tests, which want it wherever it can be. False: no memory. */
-static bool make_trees(const struct eng_scene *scene)
+/* Have a tree for each mesh, if those that have none are of so many leaves at most. False:
+ * they are of more, or there is no memory. */
+static bool make_trees(const struct eng_scene *scene, uint64_t most)
 {
-    int status = PCCD_OK;
-    for (uint32_t i = 0; i < scene->object_capacity && status == PCCD_OK; i++) {
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_mesh *mesh = scene->objects[i].mesh;
-        status = mesh ? eng_body_tree_prepare(mesh, NULL, NULL) : PCCD_OK;
+        if (!mesh || eng_body_tree_of(mesh)) {
+            continue;
+        }
+        if (mesh->leaf_count > most ||
+            eng_body_tree_prepare(mesh, NULL, NULL) != PCCD_OK) {
+            return false;
+        }
+        most -= mesh->leaf_count;
     }
-    return status == PCCD_OK;
+    return true;
 }
 
 bool eng_bodies_choose(struct eng_scene *scene, const struct eng_question *question)
@@ -163,17 +174,18 @@ bool eng_bodies_choose(struct eng_scene *scene, const struct eng_question *quest
     if (scene->moving.objects == 0) {
         return bodies->is_last; /* and its boxes are older: there is nothing to do */
     }
-    const struct sum sum = sum_of(scene);
+    struct sum sum = sum_of(scene);
     if (!sum.are_bodies || sum.objects == 0) {
         return false;
     }
     bodies->leaves = sum.leaves;
-    if (question->team_always) {
-        return sum.have_trees || make_trees(scene);
+    if (question->team_always) { /* for tests, which want it wherever it can be */
+        return make_trees(scene, UINT64_MAX);
     }
     if (!pays(scene, &sum)) {
         return false;
     }
+    sum.have_trees = sum.have_trees || make_trees(scene, sum.leaves / SHARED_PART);
     bodies->wants_trees = !sum.have_trees;
     bool waits = bodies->steps_until > 0;
     bodies->steps_until -= waits;

@@ -544,6 +544,34 @@ CASE(turning__keeps_what_stands)
     }
 }
 
+/* If it failed: a mesh in many objects, all of which move, would cost each of them boxes
+ * in the first step. */
+CASE(bodies__of_one_mesh_need_no_boxes)
+{
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    double m[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    memcpy(m[1], m[0], sizeof m[0]);
+    for (int shares = 0; shares < 2; shares++) {
+        kit_begin();
+        struct eng_mesh *mesh = kit_sheet(8, 0);
+        uint32_t count = shares ? 20 : 10, idx[20];
+        for (uint32_t i = 0; i < count; i++) {
+            assert_ok(eng_scene_add(kit.scene, mesh, 100 + i, &idx[i]));
+            assert_ok(eng_scene_set_filter(kit.scene, idx[i],
+                                           &(struct eng_object_filter){1, 1, false}));
+        }
+        eng_stage_begin(kit.scene);
+        for (uint32_t i = 0; i < count; i++) {
+            m[0][11] = 100 * i;
+            m[1][11] = 100 * i + 0.5;
+            assert_ok(eng_stage_rigid(kit.scene, idx[i], 0, 81, m[0], m[1]));
+        }
+        kit_step(kit.scene, &settings);
+        assert_int_equal(eng_methods[PCCD_METHOD_WIDE]->has_boxes(kit.scene), !shares);
+        eng_mesh_release(mesh);
+    }
+}
+
 /* If it failed: a step would be answered that has no answer, or moved before it was
  * refused. */
 CASE(turning__refuses_what_has_no_answer)
