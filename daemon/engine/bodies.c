@@ -146,8 +146,8 @@ static bool pays(const struct eng_scene *scene, const struct sum *sum)
            sum->leaves >= FAR_PARTS * sum->far;
 }
 
-/* Have a tree for each mesh, if those that have none are of so many leaves at most. False:
- * they are of more, or there is no memory. */
+/* Have a tree for each mesh, if those that have none are of so many leaves at most.
+ * False: they are of more, or there is no memory. */
 static bool make_trees(const struct eng_scene *scene, uint64_t most)
 {
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
