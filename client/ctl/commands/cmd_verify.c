@@ -13,7 +13,7 @@
 
 struct verification {
     struct play_options options;
-    struct verify_options checks;
+    struct verify_settings checks;
     struct verify_report report;
     struct verify_result result; /* of the last step or question */
     struct ctl_error error;      /* of a step that was not shown */
@@ -101,10 +101,9 @@ static int add(struct verification *verification, int status, struct ctl_error *
 static int check(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct verification *verification = context;
-    return add(
-        verification,
-        verify_step(step, &verification->checks.settings, &verification->result, error),
-        error);
+    return add(verification,
+               verify_step(step, &verification->checks, &verification->result, error),
+               error);
 }
 
 static void skip(void *context, uint64_t step, bool is_near)
@@ -138,7 +137,7 @@ static int run(struct verification *verification, struct play_summary *summary,
 
 static int verify_recording(int argc, char **argv)
 {
-    struct verification verification = {.checks = VERIFY_OPTIONS_INIT};
+    struct verification verification = {.checks = VERIFY_SETTINGS_INIT};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
     play_options_init(&verification.options, "steps");

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -144,49 +145,11 @@ static void put_point_data(struct vtp *vtp)
     fputs("</PointData>\n", vtp->to);
 }
 
-/* One word for each contact, then for each point, edge of a rod, and triangle. */
-typedef uint32_t (*contact_word)(const struct snapshot_contact *contact);
-
 static uint32_t float_word(float value)
 {
     uint32_t word;
     memcpy(&word, &value, sizeof word);
     return word;
-}
-
-static uint32_t toi_word(const struct snapshot_contact *contact)
-{
-    return float_word((float)contact->toi);
-}
-
-static uint32_t kind_word(const struct snapshot_contact *contact)
-{
-    return contact->kind;
-}
-
-static uint32_t flags_word(const struct snapshot_contact *contact)
-{
-    return contact->flags;
-}
-
-static uint32_t object_a_word(const struct snapshot_contact *contact)
-{
-    return contact->object_a;
-}
-
-static uint32_t feature_a_word(const struct snapshot_contact *contact)
-{
-    return contact->feature_a;
-}
-
-static uint32_t object_b_word(const struct snapshot_contact *contact)
-{
-    return contact->object_b;
-}
-
-static uint32_t feature_b_word(const struct snapshot_contact *contact)
-{
-    return contact->feature_b;
 }
 
 /* Word that a cell of a feature has in an array whose words are about contacts. INDEX:
@@ -215,13 +178,20 @@ static uint32_t *put_features(const struct snapshot_object *object, uint32_t cou
     return words;
 }
 
+/* Write a word for each contact, then for each point, edge of a rod, and triangle. A
+ * contact has the time, 0 for FEATURE_HITS, or its uint32_t at the offset `at`. */
 static void put_cells(struct vtp *vtp, const char *type, const char *name,
-                      contact_word of_contact, enum feature_word which)
+                      enum feature_word which, size_t at)
 {
     const struct snapshot *snapshot = vtp->snapshot;
     uint32_t *words = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        *words++ = of_contact != NULL ? of_contact(&snapshot->contacts[i]) : 0;
+        const struct snapshot_contact *contact = &snapshot->contacts[i];
+        uint32_t word = which == FEATURE_TOI ? float_word((float)contact->toi) : 0;
+        if (which != FEATURE_TOI && which != FEATURE_HITS) {
+            memcpy(&word, (const char *)contact + at, sizeof word);
+        }
+        *words++ = word;
     }
     for (uint32_t o = 0; o < snapshot->object_count; o++) {
         words = put_features(&snapshot->objects[o], snapshot->objects[o].point_count,
@@ -241,14 +211,15 @@ static void put_cells(struct vtp *vtp, const char *type, const char *name,
 static void put_cell_data(struct vtp *vtp)
 {
     fputs("<CellData Scalars=\"toi\" Normals=\"normal\">\n", vtp->to);
-    put_cells(vtp, "Float32", "toi", toi_word, FEATURE_TOI);
-    put_cells(vtp, "UInt32", "kind", kind_word, FEATURE_KIND);
-    put_cells(vtp, "UInt32", "flags", flags_word, FEATURE_NONE);
-    put_cells(vtp, "UInt32", "object_a", object_a_word, FEATURE_OBJECT);
-    put_cells(vtp, "UInt32", "feature_a", feature_a_word, FEATURE_INDEX);
-    put_cells(vtp, "UInt32", "object_b", object_b_word, FEATURE_NONE);
-    put_cells(vtp, "UInt32", "feature_b", feature_b_word, FEATURE_NONE);
-    put_cells(vtp, "UInt32", "contacts", NULL, FEATURE_HITS);
+#define AT(member) offsetof(struct snapshot_contact, member)
+    put_cells(vtp, "Float32", "toi", FEATURE_TOI, 0);
+    put_cells(vtp, "UInt32", "kind", FEATURE_KIND, AT(kind));
+    put_cells(vtp, "UInt32", "flags", FEATURE_NONE, AT(flags));
+    put_cells(vtp, "UInt32", "object_a", FEATURE_OBJECT, AT(object_a));
+    put_cells(vtp, "UInt32", "feature_a", FEATURE_INDEX, AT(feature_a));
+    put_cells(vtp, "UInt32", "object_b", FEATURE_NONE, AT(object_b));
+    put_cells(vtp, "UInt32", "feature_b", FEATURE_NONE, AT(feature_b));
+    put_cells(vtp, "UInt32", "contacts", FEATURE_HITS, 0);
     float(*normal)[3] = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
         memcpy(normal[i], vtp->snapshot->contacts[i].normal, sizeof *normal);

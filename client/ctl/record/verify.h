@@ -22,15 +22,11 @@ struct verify_settings {
     uint64_t seed;
     uint64_t contacts_max; /* of a step that are checked, a sample; 0: all */
     uint64_t sample;       /* pairs of a step that are near, and not in the answer */
-};
-
-struct verify_options {
-    struct verify_settings settings;
     bool repeats; /* the steps are computed again even if the contacts are recorded */
 };
-#define VERIFY_OPTIONS_INIT                                                              \
+#define VERIFY_SETTINGS_INIT                                                             \
     {                                                                                    \
-        .settings = {.seed = 1, .sample = 1000 }                                         \
+        .seed = 1, .sample = 1000                                                        \
     }
 extern const struct option_table verify_table;
 

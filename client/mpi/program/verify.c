@@ -11,7 +11,7 @@
 
 struct verification {
     struct recordings_options options;
-    struct verify_options checks;
+    struct verify_settings checks;
 };
 
 static void choose_source(struct argp_state *state, void *to)
@@ -45,7 +45,7 @@ static int check(void *context, const struct play_step *step, void *result,
                  struct ctl_error *error)
 {
     const struct verification *verification = context;
-    return verify_step(step, &verification->checks.settings, result, error);
+    return verify_step(step, &verification->checks, result, error);
 }
 
 static void skip(void *context, const struct answers_asked *asked, void *result)
@@ -62,11 +62,11 @@ static bool is_last(void *context, const void *result)
 
 static json_t *settings(void *context)
 {
-    const struct verify_options *checks = &((const struct verification *)context)->checks;
-    return json_pack("{s:I, s:I, s:I, s:b}", "sample",
-                     (json_int_t)checks->settings.sample, "contacts",
-                     (json_int_t)checks->settings.contacts_max, "seed",
-                     (json_int_t)checks->settings.seed, "repeat", checks->repeats);
+    const struct verify_settings *checks =
+        &((const struct verification *)context)->checks;
+    return json_pack("{s:I, s:I, s:I, s:b}", "sample", (json_int_t)checks->sample,
+                     "contacts", (json_int_t)checks->contacts_max, "seed",
+                     (json_int_t)checks->seed, "repeat", checks->repeats);
 }
 
 static json_t *line(const void *result)
@@ -147,7 +147,7 @@ static int report(void *context, const struct recordings *recordings,
 
 int program_verify(int argc, char **argv)
 {
-    struct verification verification = {.checks = VERIFY_OPTIONS_INIT};
+    struct verification verification = {.checks = VERIFY_SETTINGS_INIT};
     const struct recordings_work work = {.name = "verify",
                                          .result_bytes = sizeof(struct verify_result),
                                          .context = &verification,
