@@ -110,11 +110,11 @@ class Contacts(unittest.TestCase):
         self.folder = made.name
         for number, drop in enumerate((0, 2, 0, 1)):
             with open(os.path.join(made.name, f"f{number}.obj"), "w",
-                      encoding="utf-8") as to:
+                      encoding="utf-8", errors="surrogateescape") as to:
                 moved = [(x, y, z - drop) for x, y, z in POST]
                 to.write("o fl\N{LATIN SMALL LETTER O WITH DIAERESIS}r\n")
                 to.writelines("v %g %g %g\n" % point for point in FLOOR)
-                to.write("f 1 2 3\no post\n")
+                to.write("f 1 2 3\no post\udcff\n")  # a byte that is no text
                 to.writelines("v %g %g %g\n" % point for point in moved)
                 to.write("f 4 5 6\n")
 
@@ -133,7 +133,7 @@ class Contacts(unittest.TestCase):
         self.run_it(1, os.environ["PCCDCTL"], "check", "--private", "--geometry",
                     "--contacts", "true.csv", *files)
         with open(os.path.join(self.folder, "true.csv"), newline="",
-                  encoding="utf-8") as rows:
+                  encoding="utf-8", errors="backslashreplace") as rows:
             rows = list(csv.DictReader(rows))
         return {name: [row[name] for row in rows] for name in rows[0]}
 
@@ -164,6 +164,7 @@ class Contacts(unittest.TestCase):
         self.compare(true, columns, 2)
         self.assertEqual(columns["step"], [1, 2])
         self.assertEqual(columns["object_b"], ["fl\u00f6r"] * 2)
+        self.assertEqual(columns["object_a"], ["post\\xff"] * 2)
         self.assertEqual([columns["b" + axis][0] for axis in "xyz"], [.25, .25, 0])
         self.assertEqual([columns["n" + axis][1] for axis in "xyz"], [0, 0, -1])
         # What touches at t = 0 leaves: a column that not each table has.

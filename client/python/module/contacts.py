@@ -60,7 +60,7 @@ def _piece(head: List[str], rows: List[List[str]]) -> Piece:
 
 def _pieces(path: str) -> Iterator[Piece]:
     """At least one, which may have no rows."""
-    with open(path, newline="", encoding="utf-8", errors="surrogateescape") as source:
+    with open(path, newline="", encoding="utf-8", errors="backslashreplace") as source:
         reader = csv.reader(source)
         head = next(reader)
         rows: List[List[str]] = []

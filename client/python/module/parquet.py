@@ -65,7 +65,7 @@ def _plain(values: Any) -> bytes:
     if not isinstance(values, list):
         made: bytes = values.astype(values.dtype.newbyteorder("<")).tobytes()
         return made
-    texts = (text.encode("utf-8", "backslashreplace") for text in values)
+    texts = (text.encode() for text in values)
     return b"".join(len(text).to_bytes(4, "little") + text for text in texts)
 
 
