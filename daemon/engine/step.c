@@ -425,7 +425,9 @@ static void start(struct eng_team *team, const struct eng_question *question, bo
     if (!by_bodies) {
         eng_bodies_leave(scene, question);
     }
-    bool is_over = !question->brief && eng_worker_should_stop(team->workers[0]);
+    /* Only the boxes of wide know of which step they are. */
+    bool is_over = !question->brief && eng_method_of(question) == PCCD_METHOD_WIDE &&
+                   eng_worker_should_stop(team->workers[0]);
     if (!team->search && is_over) {
         team->search = search_nothing;
         team->has_boxes = true;

@@ -503,9 +503,6 @@ CASE(turning__mistakes_in_a_frame_are_named)
     assert_int_equal(turn(&hall, settings, &answer), PCCD_E_INVAL);
     assert_non_null(strstr(pccd_error_text(hall.client), "mode pairs"));
     settings = DEFAULTS;
-    settings.approach = 0.5;
-    assert_int_equal(turn(&hall, settings, &answer), PCCD_E_INVAL);
-    settings = DEFAULTS;
     settings.resolution = -1;
     assert_int_equal(turn(&hall, settings, &answer), PCCD_E_INVAL);
     assert_int_equal(turn(&hall, DEFAULTS, &answer), 0);

@@ -65,7 +65,8 @@ static void fall_end(struct fall *fall)
 static char *write_page(const char *name, uint32_t step_count, uint64_t bytes_max,
                         uint64_t *kept, uint64_t *bytes)
 {
-    const struct inspect_settings settings = {.every = 1, .bytes_max = bytes_max};
+    const struct inspect_settings settings = {
+        .every = 1, .bytes_max = bytes_max, .up = 3};
     struct play_summary summary = {.frames = step_count};
     struct ctl_error error = {.text = ""};
     struct page_file page;
