@@ -301,7 +301,7 @@ sed '/^o Spikes/d; /^o Rod/d' "$work/objects/a10.obj" >"$work/one10.obj"
     same_report one_object 3 "$work/one%d.obj" && same_report pairs 3 --mode pairs "$work/objects/a%d.obj" &&
     # Without the CSV, for which the first rank reads all.
     { ranks 3 "$top_builddir/pccd-mpi" check "$work/objects/a%d.obj" "$work/objects/a9.obj" >"$work/out" 2>"$log"; [ $? -eq 1 ]; } &&
-    grep -qx '           "Floor", "Spikes": [0-9]*' "$work/out" && grep -q '^verdict  *meets first in step 1, at t in .* of "Spikes"' "$work/out" &&
+    grep -qx '           "Floor", "Spikes": [0-9]*' "$work/out" && grep -q '^verdict  *meets first in step 1, at t = .* of "Spikes"' "$work/out" &&
     grep -q ' ends crossed .* new' "$work/out" && grep -q ', first at .*: .* of "[A-Z].* meets .* at (' "$work/out" &&
     { "$PCCDCTL" check --url direct: "$work/objects/a%d.obj" "$work/objects/a9.obj" >"$work/one"; [ $? -eq 1 ]; } &&
     diff <(read_aloud "$work/one") <(read_aloud "$work/out") >>"$log" &&
