@@ -139,8 +139,8 @@ enum forgery {
     FORGE_CROSSINGS, /* one edge more passes through a face, of closed meshes */
     FORGE_BESIDE,    /* and beside bounds */
     FORGE_MOTION, /* the first question moved the needle, and the answer does not know */
-    FORGE_COUNT,
-    FORGE_HASH = FORGE_COUNT
+    FORGE_HASH,
+    FORGE_COUNT
 };
 
 /* Return whether the question is one that a forgery needs. */
@@ -299,7 +299,8 @@ CASE(verify__shows_what_is_wrong_of_what_is_near)
         [FORGE_DEPTH] = ", exact: ",
         [FORGE_CROSSINGS] = "edges pass through faces, exact: ",
         [FORGE_BESIDE] = "crossings: it is not that of the records",
-        [FORGE_MOTION] = "what is near: record "};
+        [FORGE_MOTION] = "what is near: record ",
+        [FORGE_HASH] = "hash: it is not that of the records"};
 
     for (int forgery = 0; forgery < FORGE_COUNT; forgery++) {
         forge((enum forgery)forgery);

@@ -474,7 +474,7 @@ CASE(accessor__reads_steps_types_and_what_is_sparse)
  * it does not pay for. */
 CASE(accessor__is_held_to_the_bytes_of_the_file)
 {
-    static const uint8_t order[2] = {1, 0};
+    static const uint8_t order[2] = {1, 0}, twice[2] = {1, 1};
     begin();
     int view = add_view(corner, sizeof corner, "");
     add_entry(view, FLOAT, "VEC3", 4, "");
@@ -483,11 +483,14 @@ CASE(accessor__is_held_to_the_bytes_of_the_file)
     add_entry(-1, FLOAT, "VEC3", 1000000, "");
     int bytes = add_view(order, sizeof order, "");
     add_sparse(3, 2, U8, bytes, view);
+    add_sparse(3, 2, U8, add_view(twice, sizeof twice, ""), view);
     REFUSE(POSITIONS("0"), "accessor 0: goes beyond bufferView 0, which has 36 bytes");
     REFUSE(POSITIONS("1"), "accessor 1: goes beyond bufferView 0, which has 36 bytes");
     REFUSE(POSITIONS("2"), "accessor 2: goes beyond bufferView 0, which has 36 bytes");
     refuse(POSITIONS("4"), PCCD_E_INDEX,
            "accessor 4: sparse index 1 is 0 of 3, and they ascend");
+    refuse(POSITIONS("5"), PCCD_E_INDEX,
+           "accessor 5: sparse index 1 is 1 of 3, and they ascend");
     write_glb(POSITIONS("3"));
     assert_int_equal(open_path(), PCCD_E_FORMAT);
     assert_non_null(strstr(error.text, ": accessor 3: has 1000000 zeros in a file of "));
