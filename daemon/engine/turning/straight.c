@@ -109,6 +109,7 @@ int eng_straight_make(struct eng_straight **straight)
         return PCCD_E_NOMEM;
     }
     made->point_count = 0;
+    made->stops = false;
     made->looks = 0;
     made->chunks[PCCD_VF].count = made->chunks[PCCD_EE].count = 0;
     *straight = made;

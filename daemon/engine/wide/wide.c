@@ -624,7 +624,7 @@ uint32_t eng_wide_asked_kinds(const struct eng_wide *wide, bool thick)
 /* Return whether child (or slot) i of a tree's level is free, or has below it what is. */
 static bool is_free(const struct eng_wide_tree *tree, uint32_t level, uint32_t i)
 {
-    return tree->free[tree->first[level] + i / ENG_WIDE] >> i % ENG_WIDE & 1u;
+    return (uint32_t)tree->free[tree->first[level] + i / ENG_WIDE] >> i % ENG_WIDE & 1u;
 }
 
 uint32_t eng_wide_free_keep(const struct eng_wide *wide, enum pccd_kind kind,
