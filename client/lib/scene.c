@@ -215,7 +215,9 @@ int pccd_object_name(struct pccd_client *client, uint32_t scene, uint32_t object
                         "object.set: a name of %zu bytes, not of up to %u", bytes,
                         PROTO_STR_MAX);
     }
-    memcpy(request.name, name, bytes);
+    if (bytes > 0) {
+        memcpy(request.name, name, bytes);
+    }
     status = cli_check_feature(client, PROTO_FEATURE_NAMES, "object.set");
     return status != 0 ? status : call_set(client, &request, &result);
 }

@@ -315,26 +315,47 @@ static bool replace(struct life *life, const struct belongings *has)
                 (const uint32_t(*)[3])triangles, TRIANGLES);
 }
 
-/* The sheet may meet itself no more, and the floor as before. */
-static bool set_filters(struct life *life, const struct belongings *has)
+/* The sheet may meet itself no more, and has a name: both, or where memory ran out
+ * neither. */
+static bool set_sheet(struct life *life, const struct belongings *has)
 {
     const struct proto_OBJECT_SET_request set = {.scene = has->scene,
                                                  .object = has->sheet,
                                                  .what =
                                                      PCCD_OBJECT_GROUP | PCCD_OBJECT_SELF,
-                                                 .group = 2};
+                                                 .group = 2,
+                                                 .has_name = true,
+                                                 .name = "sheet"};
+    const struct proto_OBJECT_SET_request look = {.scene = has->scene,
+                                                  .object = has->sheet};
+    struct proto_OBJECT_SET_result now;
+    for (int tries = 0; again(life, PROTO_METHOD_OBJECT_SET, tries); tries++) {
+        int status = test_raw_call(&life->raw, PROTO_METHOD_OBJECT_SET, &set, &now);
+        if (note(life, PROTO_METHOD_OBJECT_SET, status)) {
+            if (now.group != 2 || now.mask != UINT64_MAX || now.self_collision) {
+                blame(life, "has set something else", PROTO_METHOD_OBJECT_SET, 0);
+            }
+            return true;
+        }
+        if (status == PCCD_E_NOMEM &&
+            test_raw_call(&life->raw, PROTO_METHOD_OBJECT_SET, &look, &now) == 0 &&
+            now.group == 2) {
+            blame(life, "has set a part", PROTO_METHOD_OBJECT_SET, status);
+        }
+    }
+    return false;
+}
+
+/* The sheet may meet the floor as before. */
+static bool set_filters(struct life *life, const struct belongings *has)
+{
     const struct proto_SCENE_IGNORE_request ignore = {
         .scene = has->scene, .a = has->floor, .b = has->sheet, .ignored = true};
     const struct proto_SCENE_IGNORE_request heed = {
         .scene = has->scene, .a = has->floor, .b = has->sheet, .has_clearance = true};
-    struct proto_OBJECT_SET_result now;
-    bool all = ask(life, PROTO_METHOD_OBJECT_SET, &set, &now) &&
-               ask(life, PROTO_METHOD_SCENE_IGNORE, &ignore, NULL) &&
-               ask(life, PROTO_METHOD_SCENE_IGNORE, &heed, NULL);
-    if (all && (now.group != 2 || now.mask != UINT64_MAX || now.self_collision)) {
-        blame(life, "has set something else", PROTO_METHOD_OBJECT_SET, 0);
-    }
-    return all;
+    return set_sheet(life, has) &&
+           ask(life, PROTO_METHOD_SCENE_IGNORE, &ignore, NULL) &&
+           ask(life, PROTO_METHOD_SCENE_IGNORE, &heed, NULL);
 }
 
 static bool record(struct life *life, const struct belongings *has)

@@ -107,20 +107,18 @@ static int change(struct srv_request *request, struct srv_placed *placed,
     return 0;
 }
 
-/* Keep what an object is called. */
-static int keep_name(struct srv_request *request, struct srv_placed *placed)
+/* Set a copy of what an object is to be called; NULL: it has no name any more. */
+static int copy_name(struct srv_request *request, char **copy)
 {
     const char *name = request->params.OBJECT_SET.name;
     size_t bytes = strlen(name) + 1;
-    char *copy = bytes > 1 ? eng_alloc(1, bytes) : NULL;
-    if (bytes > 1 && copy == NULL) {
+    *copy = bytes > 1 ? eng_alloc(1, bytes) : NULL;
+    if (bytes > 1 && *copy == NULL) {
         return proto_error_set(&request->error, PCCD_E_NOMEM, "no memory for the name");
     }
-    if (copy != NULL) {
-        memcpy(copy, name, bytes);
+    if (*copy != NULL) {
+        memcpy(*copy, name, bytes);
     }
-    eng_free(placed->name);
-    placed->name = copy;
     return 0;
 }
 
@@ -129,22 +127,25 @@ static int work_set(struct srv_request *request)
     const struct proto_OBJECT_SET_request *asked = &request->params.OBJECT_SET;
     struct common_attributes given;
     struct srv_placed *placed = NULL;
+    char *name = NULL;
     int status = find_placed(request, asked->object, &placed);
-    if (status != 0) {
-        return status;
+    if (status == 0 && asked->has_name) { /* before attributes are changed */
+        status = copy_name(request, &name);
     }
-    if (asked->what != 0) {
+    if (status == 0 && asked->what != 0) {
         COMMON_ATTRIBUTES_COPY(&given, asked);
         status = change(request, placed, &given);
     }
-    if (status == 0 && asked->has_name) {
-        status = keep_name(request, placed);
-    }
-    if (status == 0 && (asked->what != 0 || asked->has_name)) {
-        srv_journal_note(request->plan.scene, PROTO_METHOD_OBJECT_SET, asked);
-    }
     if (status != 0) {
+        eng_free(name);
         return status;
+    }
+    if (asked->has_name) {
+        eng_free(placed->name);
+        placed->name = name;
+    }
+    if (asked->what != 0 || asked->has_name) {
+        srv_journal_note(request->plan.scene, PROTO_METHOD_OBJECT_SET, asked);
     }
     COMMON_ATTRIBUTES_COPY(&request->result.OBJECT_SET, &placed->attributes);
     return 0;
