@@ -195,19 +195,32 @@ static void make_often(struct late *late, bool smoke)
     make_twins(late, make_roll(smoke ? 10 : 50), 1e5);
 }
 
-/* An arm of links about one another, in a rough floor. */
+struct arm {
+    uint32_t links;
+    double angle, along, height; /* of a link's turn; to the next link; of the first */
+};
+
+/* Links about one another, in a shape that stands. Both shapes are freed. */
+static void make_links(struct late *late, struct shape link, struct shape standing,
+                       const struct arm *arm)
+{
+    uint32_t mesh = register_shape(late, &link), last = PCCD_NO_JOINT;
+    (void)add(late, register_shape(late, &standing));
+    for (uint32_t i = 0; i < arm->links; i++) {
+        last = hinge(late, last, arm->angle);
+        late->joints[last].position[0] = arm->along;
+        late->joints[last].position[2] = i == 0 ? arm->height : 0;
+        turn(late, mesh, link.vertices, last);
+    }
+    free_shape(&link);
+    free_shape(&standing);
+}
+
+/* In a rough floor. */
 static void make_chain(struct late *late, bool smoke)
 {
-    struct shape roll = make_roll(smoke ? 5 : 40), floor = make_roll(smoke ? 10 : 200);
-    uint32_t mesh = register_shape(late, &roll), last = PCCD_NO_JOINT;
-    (void)add(late, register_shape(late, &floor));
-    for (uint32_t i = 0; i < 64; i++) {
-        last = hinge(late, last, 0.5);
-        late->joints[last].position[0] = 0.5;
-        turn(late, mesh, roll.vertices, last);
-    }
-    free_shape(&roll);
-    free_shape(&floor);
+    make_links(late, make_roll(smoke ? 5 : 40), make_roll(smoke ? 10 : 200),
+               &(struct arm){.links = 64, .angle = 0.5, .along = 0.5});
 }
 
 /* Triangles without joints that deform through as many that stand. */
@@ -268,20 +281,11 @@ static void make_batch(struct late *late, bool smoke,
     free(parts);
 }
 
-/* An arm of six links in a cell, each joint of which turns by 0.8. */
+/* An arm in a cell. */
 static void make_arm(struct late *late, bool smoke)
 {
-    struct shape link = make_roll(smoke ? 5 : 16), cell = make_sheet(smoke ? 5 : 76);
-    uint32_t mesh = register_shape(late, &link), last = PCCD_NO_JOINT;
-    (void)add(late, register_shape(late, &cell));
-    for (uint32_t i = 0; i < 6; i++) {
-        last = hinge(late, last, 0.8);
-        late->joints[last].position[0] = 1;
-        late->joints[last].position[2] = i == 0 ? 1.5 : 0;
-        turn(late, mesh, link.vertices, last);
-    }
-    free_shape(&link);
-    free_shape(&cell);
+    make_links(late, make_roll(smoke ? 5 : 16), make_sheet(smoke ? 5 : 76),
+               &(struct arm){.links = 6, .angle = 0.8, .along = 1, .height = 1.5});
 }
 
 /* 16 000 triangles that deform through as many that stand. */
