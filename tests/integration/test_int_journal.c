@@ -132,6 +132,20 @@ CASE_WITH(journal__says_when_it_is_full, setup, teardown)
     assert_int_equal(ask(0, 0, false, &later), PCCD_E_STATE);
     assert_ok(ask(0, 4096, false, &later));
     assert_false(later.full);
+    /* To the byte: what fits is kept, and what does not is told with the same step. */
+    uint64_t room = 4096, begun;
+    step(-1);
+    for (int i = 0; i < 3; i++) { /* ample; just enough; too little by a byte */
+        assert_ok(ask(0, 0, true, &later));
+        step(1);
+        assert_ok(ask(0, room, false, &later));
+        begun = later.count;
+        step(-1);
+        assert_ok(ask(0, 0, false, &later));
+        assert_int_equal(later.full, i == 2);
+        assert_true(i < 2 ? later.count > begun : later.count == begun);
+        room = later.count - (i == 1);
+    }
 }
 
 /* If it failed, journals would cost nothing, or for ever. */

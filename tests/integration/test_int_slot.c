@@ -227,6 +227,10 @@ CASE_WITH(segment__overlaps_are_refused, open_raw, close_raw)
 {
     static const uint32_t ranges[][4] = {{0, 3, 0, 3}, {0, 2, 1, 2}, {2, 1, 0, 3}};
 
+    assert_ok(test_raw_scene(&raw, "held", &scene)); /* so that frames can be */
+    assert_ok(test_raw_add(&raw, scene, mesh, &object));
+    struct proto_FRAME_SUBMIT_request held = {
+        .scene = scene, .segments = 2, .hold = true};
     for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
         struct proto_segment table[2] = {
             {object, X1, 0, ranges[i][0], ranges[i][1], 0, 64},
@@ -235,6 +239,10 @@ CASE_WITH(segment__overlaps_are_refused, open_raw, close_raw)
         memcpy(test_raw_payload(&raw, 0), table, sizeof table);
         memcpy(test_raw_payload(&raw, 0) + 64, test_triangle_x, sizeof test_triangle_x);
         assert_int_equal(submit(0, test_raw_publish(&raw, 0), 2), PCCD_E_SEGMENT);
+        /* At once, before a step that it would spoil. */
+        held.seq = test_raw_publish(&raw, 0);
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &held, NULL),
+                         PCCD_E_SEGMENT);
     }
     /* Side by side is no overlap. */
     struct proto_segment table[2] = {{object, X1, 0, 0, 2, 0, 64},

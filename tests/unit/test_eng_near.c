@@ -3,6 +3,7 @@
  */
 #include "eng_kit.h"
 #include "eng_way.h"
+#include "record_hash.h"
 
 static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
                                             PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
@@ -80,7 +81,7 @@ CASE(near__folds_features_before_it_cuts)
     settings.distance = 0x1p-10;
     struct eng_step_result result = kit_ask(&settings);
     uint64_t count = result.count;
-    uint64_t pairs = 0;
+    uint64_t pairs = 0, hash[2];
     struct pccd_near *all = test_copy(result.records, count * sizeof *all);
     for (uint64_t i = 0; i < count; i++) {
         pairs += all[i].count;
@@ -97,6 +98,9 @@ CASE(near__folds_features_before_it_cuts)
         result = kit_near(kit.scene, &settings);
         assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_int_equal(result.count, count / 3);
+        record_hash_2(all, count / 3, sizeof *all, hash);
+        assert_memory_equal(result.hash, hash, sizeof hash);
+        assert_int_equal(result.counts[PCCD_VV], count / 3);
         for (uint64_t i = 0; i < result.count; i++) {
             const struct pccd_near *record = kit_record(&result, i);
             assert_int_equal(record->kind, all[i].kind);

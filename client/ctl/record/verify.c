@@ -201,8 +201,8 @@ bool verify_wrong(struct verify_result *result, const struct play_step *step,
 
 /* ---- one contact ------------------------------------------------------------------- */
 
-/* Return what is wrong with the floats of a contact, whatever the rounding; NULL:
- * nothing. */
+/* Return what is wrong with a contact, whatever its features, be they of bodies that turn
+ * or not; NULL: nothing. */
 static const char *malformed(const struct pccd_contact *contact, double tolerance)
 {
     double w[2][3];
@@ -228,7 +228,7 @@ static const char *malformed(const struct pccd_contact *contact, double toleranc
     if (!(length == 0 || fabs(sqrt(length) - 1) <= SLACK)) {
         return "the record's normal is neither of unit length nor zero";
     }
-    return NULL;
+    return contact->reserved != 0 ? "the record's last word is not 0" : NULL;
 }
 
 /* Return whether the record is of a pair that has parted, and meets again. */
@@ -274,8 +274,8 @@ static bool check_exactly(const struct play_step *step,
     } else if (!is_proved && (meeting.r == 0 || (contact->flags & PCCD_INITIAL) != 0 ||
                               contact->flags != (meeting.flags & PCCD_INSIDE))) {
         what = "what could be proved of the record is not";
-    } else if ((contact->flags & ~known) != 0 || contact->reserved != 0) {
-        what = "the record has flags, or a last word, that say nothing";
+    } else if ((contact->flags & ~known) != 0) {
+        what = "the record has flags that say nothing";
     } else if (is_proved) {
         what = verify_place(contact, (const double(*)[3])meeting.p, meeting.r);
     }

@@ -263,10 +263,9 @@ bool verify_turning(const struct play_step *step, const struct pccd_contact *con
     if (pair->object_a == pair->object_b) {
         return verify_wrong(result, step, NULL, "a body that turns meets itself");
     }
-    if ((contact->flags & ~known) != 0 || contact->reserved != 0) {
+    if ((contact->flags & ~known) != 0) {
         return verify_wrong(result, step, NULL,
-                            "a record of a body that turns has flags, or a last word, "
-                            "that say nothing");
+                            "a record of a body that turns has flags that say nothing");
     }
     take_pair(step, pair, &question);
     int inside = ask_both(step, pair, &question, &is, &met);

@@ -422,7 +422,7 @@ static void merge_alone(struct eng_merge *merge)
 }
 
 /* Move the folded buckets together. Of more than the limit the first ones are kept and
- * counted anew. */
+ * hashed; who answers counts them. */
 static void close_up(struct eng_merge *merge, struct eng_counts *counts)
 {
     uint64_t limit = merge->shares[0].found->limit;
@@ -439,11 +439,7 @@ static void close_up(struct eng_merge *merge, struct eng_counts *counts)
     merge->is_cut = end > limit;
     if (merge->is_cut) {
         merge->out->count = limit;
-        *counts = ENG_COUNTS_NONE;
         counts->hash = eng_hash_records(records, limit, sizeof *records);
-        for (uint64_t i = 0; i < limit; i++) {
-            counts->kind[records[i].kind]++;
-        }
     }
 }
 
