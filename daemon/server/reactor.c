@@ -306,6 +306,7 @@ static void on_conn_closed(struct srv_server *server)
 static void on_completions(void *context)
 {
     struct srv_reactor *reactor = context;
+    srv_request_send_open(&reactor->server.service);
     srv_compute_drain(&reactor->server.service.compute);
     srv_compute_drain(&reactor->server.service.pages);
 }

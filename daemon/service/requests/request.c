@@ -559,6 +559,52 @@ bool srv_request_answer_early(struct srv_request *request, const void *result,
     return true;
 }
 
+void srv_request_answer_now(struct srv_request *request)
+{
+    struct srv_service *service = request->session->service;
+    enum srv_request_state queued = SRV_REQUEST_QUEUED;
+    (void)atomic_compare_exchange_strong(&request->state, &queued, SRV_REQUEST_OPEN);
+    if (service->compute.notify != NULL) { /* else the loop is this thread */
+        atomic_store(&service->has_open, true);
+        service->compute.notify(service->compute.context);
+    }
+}
+
+/* Return whether the client of a request can be sent an answer before its work ends. */
+static bool can_send(const struct srv_request *request)
+{
+    return request->session->state == SRV_SESSION_OPEN &&
+           !srv_request_is_cut_off(request) && !is_early(request) &&
+           request->session->overdue_count < SRV_OVERDUE_MAX;
+}
+
+/* Return a batch that is OPEN; NULL: there is none. */
+static struct srv_request *find_open(const struct srv_service *service)
+{
+    for (struct srv_session *session = service->sessions; session != NULL;
+         session = session->next) {
+        for (struct srv_request *request = session->requests; request != NULL;
+             request = request->next) {
+            if (request->plan.batch != NULL &&
+                srv_request_state(request) == SRV_REQUEST_OPEN && can_send(request)) {
+                return request;
+            }
+        }
+    }
+    return NULL;
+}
+
+void srv_request_send_open(struct srv_service *service)
+{
+    srv_assert_loop();
+    bool has_open = atomic_exchange(&service->has_open, false);
+    struct srv_request *request = has_open ? find_open(service) : NULL;
+    while (request != NULL &&
+           srv_request_answer_early(request, &request->result, NULL, 0)) {
+        request = find_open(service); /* its session may have ended */
+    }
+}
+
 /* Answer a request that has been taken out of its list. */
 static void take_back(struct srv_request *request)
 {
@@ -591,9 +637,7 @@ static void try_early(struct srv_request *request, enum pccd_incomplete why,
                       uint64_t end_ns)
 {
     struct srv_session *session = request->session;
-    if (request->plan.answer_early == NULL || session->state != SRV_SESSION_OPEN ||
-        srv_request_is_cut_off(request) || is_early(request) ||
-        session->overdue_count >= SRV_OVERDUE_MAX) {
+    if (request->plan.answer_early == NULL || !can_send(request)) {
         return;
     }
     bool is_first = request->end_ns == 0;

@@ -22,6 +22,8 @@
  * A step goes from QUEUED to OPEN while it runs. Then whoever is first answers it: its
  * thread, which takes it back to QUEUED before it writes a page; or the loop, which makes
  * it EARLY, where the thread is late with an answer that had to come.
+ * A batch is OPEN when its answer is written and some of its scenes still have to move,
+ * because it had to end: the loop sends that answer.
  */
 #ifndef SRV_REQUEST_H
 #define SRV_REQUEST_H
@@ -202,6 +204,12 @@ void srv_request_return_slot(struct srv_request *request);
 
 /* Let the loop answer it, too, from now on: its slot has been read. [compute] */
 void srv_request_open(struct srv_request *request);
+
+/* Have the loop send request->result now: the thread goes on with what is left, and may
+ * not change it. It ends with srv_request_claim. [compute] */
+void srv_request_answer_now(struct srv_request *request);
+/* Send what was left to the loop so. [loop] */
+void srv_request_send_open(struct srv_service *service);
 
 /* Take the answer to oneself; then it is not OPEN any more. False: the client has it, and
  * the request is EARLY. [compute] */

@@ -1,9 +1,13 @@
 /* srv_batch.c - a batch: a step of each of many scenes.
  *
- * First the scenes that are shared, and those that are a large part of the work, are
- * stepped by the whole team, as by itself; then the others by one thread each, whichever
- * is free. What each scene does is what it does alone (srv_step_run). A scene that fails
- * says why in its own answer.
+ * First the scenes that are shared are stepped by the whole team, as by itself. What the
+ * others move is staged, so that the slot is read; then those that are a large part of
+ * the work are stepped by the team, and the rest by one thread each, whichever is free.
+ * What each scene does is what it does alone (srv_step.h). A scene that fails says why in
+ * its own answer.
+ *
+ * A batch that has to end answers at once: scenes whose turn has not come are incomplete,
+ * and move behind the answer. What goes wrong then is said by their next step.
  */
 #include "srv_batch.h"
 
@@ -167,6 +171,10 @@ void srv_batch_end(struct srv_batch *batch)
 
 /* ---- computed ---------------------------------------------------------------------- */
 
+/* The part of the work that is done with a scene: MOVE is what is left of it behind the
+ * answer. */
+enum part { STAGE, COMPUTE, MOVE };
+
 struct work {
     struct srv_request *request;
     const struct srv_step_params *params;
@@ -175,6 +183,9 @@ struct work {
     uint64_t tables_bytes;
     struct eng_question question; /* of a scene that the whole team steps */
     struct srv_enginemem memory;  /* as the batch began */
+    enum part part;               /* of the scenes that are worked on */
+    uint32_t rest_count;          /* of batch->rest */
+    uint32_t threads;             /* that work on these */
 };
 
 /* Add what the threads of a step did; that of one alone is the tally's. */
@@ -214,12 +225,14 @@ static void describe(const struct proto_answer *from, struct pccd_scene_answer *
 #undef GET
 }
 
-/* Its answer, and what the loop will tell of it. */
+/* Its answer, and what the loop will tell of it. `answer` NULL: the client has it. */
 static void note(struct srv_item *item, struct pccd_scene_answer *answer,
                  struct srv_batch_tally *tally)
 {
     const struct proto_answer *from = &item->scene->stepped.answer;
-    describe(from, answer);
+    if (answer != NULL) {
+        describe(from, answer);
+    }
     srv_step_note(item, from);
     srv_metrics_add_step(&tally->metrics, from);
     srv_stats_add_step(&tally->stats, from);
@@ -250,12 +263,39 @@ static const char *why_not(int status)
     }
 }
 
-static void work_scene(struct work *work, uint32_t i, const struct eng_question *question,
-                       struct srv_batch_tally *tally)
+/* Return whether the batch has to end: the scenes that are left do not begin. */
+static bool is_over(const struct eng_question *question)
+{
+    return atomic_load_explicit(question->cancel, memory_order_relaxed) ||
+           (question->deadline_ns != 0 && common_now_ns() >= question->deadline_ns);
+}
+
+/* Answer for a scene that has to move and does not begin. */
+static void answer_late(struct work *work, uint32_t i)
+{
+    const struct srv_item *item = &work->batch->items[i];
+    bool is_cancelled = atomic_load_explicit(work->question.cancel, memory_order_relaxed);
+    struct proto_answer nothing;
+    srv_step_nothing(work->request,
+                     is_cancelled ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_DEADLINE,
+                     &nothing);
+    nothing.number = item->scene->number + 1;
+    describe(&nothing, &work->answers[i]);
+}
+
+static void work_scene(struct work *work, uint32_t i, enum part part,
+                       const struct eng_question *question, struct srv_batch_tally *tally)
 {
     struct srv_batch *batch = work->batch;
     struct srv_item *item = &batch->items[i];
     struct eng_step_result result;
+    if (item->status != 0 || item->has_stepped) {
+        return;
+    }
+    if (part == COMPUTE && item->member == NULL && is_over(question)) {
+        answer_late(work, i);
+        return;
+    }
     struct srv_step_run run = {.request = work->request,
                                .item = item,
                                .params = work->params,
@@ -270,18 +310,22 @@ static void work_scene(struct work *work, uint32_t i, const struct eng_question 
                                            .joints_end = item->joints_end,
                                            .error = &tally->error},
                                .result = &result};
-    int status = srv_step_run(&run);
+    int status = part == STAGE ? srv_step_stage(&run) : srv_step_compute(&run);
     PCCD_ASSERT(status != PCCD_E_AGAIN); /* none is brief */
     item->status =
         status == 0 ? 0 : srv_enginemem_tell(&work->memory, status, &tally->error);
     tally->upload_bytes += run.staging.copied;
-    if (item->status == 0) {
-        add_records(work, &result, tally);
-        note(item, &work->answers[i], tally);
-    } else {
+    if (item->status != 0 && part == MOVE) {
+        item->scene->owed = tally->error;
+    } else if (item->status != 0) {
         refuse(item, tally->error.text, &work->answers[i], tally);
+    } else if (part != STAGE) {
+        add_records(work, &result, tally);
+        note(item, part == MOVE ? NULL : &work->answers[i], tally);
     }
-    atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
+    if (item->status != 0 || part != STAGE) {
+        atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
+    }
 }
 
 /* A scene that others share, whose memory may be another user's. */
@@ -290,18 +334,17 @@ static void work_shared(struct work *work, uint32_t i)
     const struct srv_scene *scene = work->batch->items[i].scene;
     struct srv_enginemem memory = work->memory;
     srv_enginemem_begin(&work->memory, scene->resource.owner->user);
-    work_scene(work, i, &work->question, &work->batch->tallies[0]);
+    work_scene(work, i, STAGE, &work->question, &work->batch->tallies[0]);
+    work_scene(work, i, COMPUTE, &work->question, &work->batch->tallies[0]);
     work->memory = memory;
     eng_payer()->account = &work->request->session->owner.user->engine;
 }
 
-/* One scene by one thread, which uses the worker of its first scene for all. [team] */
-static void work_item(void *context, uint32_t at, uint32_t thread)
+/* Have one thread do a part of a scene's work. [team] */
+static void work_alone(struct work *work, uint32_t i, enum part part,
+                       struct eng_scene *scratch_from, uint32_t thread)
 {
-    struct work *work = context;
     struct eng_question question = work->question;
-    const uint32_t *rest = work->batch->rest;
-    const struct srv_scene *first = work->batch->items[rest[thread]].scene;
     if (thread != 0) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
     }
@@ -309,11 +352,26 @@ static void work_item(void *context, uint32_t at, uint32_t thread)
     question.affinity = NULL;
     question.is_stopped = thread == 0 ? question.is_stopped : NULL; /* its own thread */
     question.track = thread;
-    question.scratch_from = first->engine; /* NULL: the first has none yet */
-    work_scene(work, rest[at], &question, &work->batch->tallies[thread]);
+    question.scratch_from = scratch_from;
+    work_scene(work, i, part, &question, &work->batch->tallies[thread]);
     if (thread != 0) {
         srv_thread_enter(SRV_THREAD_OTHER);
     }
+}
+
+static void stage_item(void *context, uint32_t at, uint32_t thread)
+{
+    struct work *work = context;
+    work_alone(work, work->batch->order[at], STAGE, NULL, thread);
+}
+
+/* One scene by one thread, which uses the worker of its first scene for all. [team] */
+static void work_item(void *context, uint32_t at, uint32_t thread)
+{
+    struct work *work = context;
+    const uint32_t *rest = work->batch->rest;
+    const struct srv_scene *first = work->batch->items[rest[thread]].scene;
+    work_alone(work, rest[at], work->part, first->engine, thread);
 }
 
 /* ---- who computes what ------------------------------------------------------------- */
@@ -350,7 +408,7 @@ static uint32_t work_large(struct work *work, uint64_t *rest_ns)
         uint32_t item = batch->order[i];
         uint64_t own_ns = expects(work, item);
         if (threads > 1 && eng_team_pays(own_ns) && own_ns > all_ns / (2 * threads)) {
-            work_scene(work, item, &work->question, &batch->tallies[0]);
+            work_scene(work, item, COMPUTE, &work->question, &batch->tallies[0]);
         } else {
             batch->order[left++] = item;
             *rest_ns += own_ns;
@@ -373,6 +431,31 @@ static uint32_t work_large(struct work *work, uint64_t *rest_ns)
     return left;
 }
 
+static void work_together(struct work *work, uint32_t count, uint32_t threads,
+                          void (*item)(void *context, uint32_t at, uint32_t thread))
+{
+    eng_parallel_for(&(const struct eng_parallel_for){.count = count,
+                                                      .threads = threads,
+                                                      .affinity = work->question.affinity,
+                                                      .item = item,
+                                                      .context = work});
+}
+
+/* Stage what all scenes move that nobody shares: the slot is the client's again then. */
+static void stage_scenes(struct work *work)
+{
+    const struct srv_batch *batch = work->batch;
+    uint32_t threads = work->question.threads;
+    uint64_t all_ns = 0;
+    for (uint32_t i = 0; i < batch->order_count; i++) {
+        all_ns += expects(work, batch->order[i]);
+    }
+    threads = threads < batch->order_count ? threads : batch->order_count;
+    work_together(work, batch->order_count,
+                  threads > 1 && eng_team_pays(all_ns) ? threads : 1, stage_item);
+    srv_request_return_slot(work->request);
+}
+
 /* Returns how many threads had a part in it. */
 static uint32_t work_scenes(struct work *work)
 {
@@ -388,14 +471,14 @@ static uint32_t work_scenes(struct work *work)
             work_shared(work, i);
         }
     }
-    uint32_t left = work_large(work, &rest_ns);
-    uint32_t threads = work->question.threads < left ? work->question.threads : left;
-    threads = threads > 1 && eng_team_pays(rest_ns) ? threads : 1;
-    eng_parallel_for(&(const struct eng_parallel_for){.count = left,
-                                                      .threads = threads,
-                                                      .affinity = work->question.affinity,
-                                                      .item = work_item,
-                                                      .context = work});
+    stage_scenes(work);
+    work->part = COMPUTE;
+    work->rest_count = work_large(work, &rest_ns);
+    uint32_t threads = work->question.threads < work->rest_count ? work->question.threads
+                                                                 : work->rest_count;
+    work->threads = threads > 1 && eng_team_pays(rest_ns) ? threads : 1;
+    work_together(work, work->rest_count, work->threads, work_item);
+    threads = work->threads;
     for (uint32_t i = 0; i < batch->count; i++) {
         uint32_t own = batch->items[i].event.threads;
         threads = own > threads ? own : threads;
@@ -403,12 +486,32 @@ static uint32_t work_scenes(struct work *work)
     return threads;
 }
 
+/* Return how many scenes have not had their turn when the batch had to end. */
+static uint32_t count_late(const struct srv_batch *batch)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < batch->count; i++) {
+        count += batch->items[i].status == 0 && !batch->items[i].has_stepped;
+    }
+    return count;
+}
+
+/* Move these: first those that threads would have taken one by one. */
+static void move_late(struct work *work)
+{
+    work->part = MOVE;
+    work_together(work, work->rest_count, work->threads, work_item);
+    for (uint32_t i = 0; i < work->batch->count; i++) {
+        work_alone(work, i, MOVE, NULL, 0);
+    }
+}
+
 /* ---- answers ----------------------------------------------------------------------- */
 
 static uint64_t units_of(const struct srv_item *item)
 {
     const struct srv_scene *scene = item->scene;
-    if (item->status != 0) {
+    if (item->status != 0 || !item->has_stepped) {
         return 0;
     }
     return (scene->stepped.answer.total * scene->stepped.answer.record_bytes +
@@ -461,21 +564,34 @@ static int write_records(struct srv_request *request, struct work *work,
     return 0;
 }
 
+/* Tell what all threads have counted, and how many scenes are late. */
+static void tell(const struct work *work, uint32_t late,
+                 struct proto_BATCH_SUBMIT_result *result)
+{
+    const struct srv_request *request = work->request;
+    const struct srv_batch_tally *tallies = work->batch->tallies;
+    result->incomplete += late;
+    for (uint32_t i = 0; i < work->question.threads; i++) {
+        result->failed += tallies[i].failed;
+        result->incomplete += (uint32_t)tallies[i].stats.steps_incomplete;
+        result->ns_steps += tallies[i].stats.ns_step;
+    }
+    result->step = work->params->step;
+    result->ns_queue = request->begin_ns - request->arrival_ns;
+    result->ns_batch = common_now_ns() - request->begin_ns;
+}
+
 /* Add up what all threads have counted, which the first tally has then. */
-static void add_up(struct srv_request *request, const struct work *work,
-                   struct proto_BATCH_SUBMIT_result *result)
+static void add_up(struct srv_request *request, const struct work *work)
 {
     struct srv_batch_tally *tallies = work->batch->tallies;
     for (uint32_t i = 0; i < work->question.threads; i++) {
         request->upload_bytes += tallies[i].upload_bytes;
-        result->failed += tallies[i].failed;
         if (i > 0) {
             srv_metrics_add_all(&tallies[0].metrics, &tallies[i].metrics);
             srv_stats_add_all(&tallies[0].stats, &tallies[i].stats);
         }
     }
-    result->incomplete += (uint32_t)tallies[0].stats.steps_incomplete;
-    result->ns_steps = tallies[0].stats.ns_step;
 }
 
 /* Have the tables of joints of each scene end where those of the next scenes begin: so
@@ -563,16 +679,21 @@ int srv_batch_work(struct srv_request *request)
     status = status != 0 ? status : reserve_answers(request, &work, result);
     if (status == 0) {
         result->threads = work_scenes(&work);
+        status = write_records(request, &work, result);
+        uint32_t late = count_late(batch);
+        if (status == 0) {
+            tell(&work, late, result);
+        }
+        if (status == 0 && late > 0) {
+            srv_request_answer_now(request);
+        }
+        if (late > 0) {
+            move_late(&work);
+        }
+        add_up(request, &work);
         keep_records(request, result->threads);
     }
     srv_tracing_return(question->trace);
-    srv_request_return_slot(request);
-    status = status != 0 ? status : write_records(request, &work, result);
-    if (status == 0) {
-        add_up(request, &work, result);
-        result->step = params.step;
-        result->ns_queue = request->begin_ns - request->arrival_ns;
-        result->ns_batch = common_now_ns() - request->begin_ns;
-    }
+    (void)srv_request_claim(request);
     return status;
 }

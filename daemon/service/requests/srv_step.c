@@ -405,7 +405,7 @@ static void remember(struct srv_step_run *run)
     }
 }
 
-int srv_step_run(struct srv_step_run *run)
+int srv_step_stage(struct srv_step_run *run)
 {
     struct srv_item *item = run->item;
     struct srv_scene *scene = item->scene;
@@ -430,19 +430,21 @@ int srv_step_run(struct srv_step_run *run)
     if (status == 0 && !is_staged && (moves(run) || !run->params->is_near)) {
         status = stage(run);
     }
-    if (status == 0 && run->request->plan.batch == NULL) {
-        srv_request_open(run->request);
-    }
-    status = status != 0 ? status : compute(run);
-    if (status == PCCD_E_AGAIN) {
-        return status;
-    }
     if (status != 0) {
         eng_stage_abort(engine);
-        return status;
     }
-    remember(run);
-    return 0;
+    return status;
+}
+
+int srv_step_compute(struct srv_step_run *run)
+{
+    int status = compute(run);
+    if (status == 0) {
+        remember(run);
+    } else if (status != PCCD_E_AGAIN) {
+        eng_stage_abort(run->item->scene->engine);
+    }
+    return status;
 }
 
 /* ---- a request --------------------------------------------------------------------- */
@@ -522,7 +524,11 @@ static int work(struct srv_request *request, const struct srv_step_params *param
     if (!params->is_near) {
         lend_page(request, question);
     }
-    status = srv_step_run(&run);
+    status = srv_step_stage(&run);
+    if (status == 0) {
+        srv_request_open(request);
+        status = srv_step_compute(&run);
+    }
     request->upload_bytes += run.staging.copied;
     if (status == PCCD_E_AGAIN) {
         srv_request_move(request, SRV_REQUEST_MOVED);

@@ -59,10 +59,14 @@ struct srv_step_run {
     struct eng_step_result *result; /* filled in */
 };
 
-/* Move what the scene's objects move, step or ask, and keep the answer in the scene. 0;
- * PCCD_E_AGAIN, of a brief step (step.h); or another status with *staging.error set:
- * nothing is kept then. [compute]; of different scenes on several threads, [team] */
-int srv_step_run(struct srv_step_run *run);
+/* Stage what the scene's objects move, unless a brief step has. 0; or another status with
+ * *staging.error set: nothing is staged then. [compute]; of different scenes on several
+ * threads, [team] */
+int srv_step_stage(struct srv_step_run *run);
+/* Step or ask, from what was staged, and keep the answer in the scene. 0; PCCD_E_AGAIN,
+ * of a brief step (step.h); or another status with *staging.error set: nothing is kept
+ * then. Threads as above. */
+int srv_step_compute(struct srv_step_run *run);
 
 /* Do the work of a plan for one scene; srv_batch_work does it for many. [compute] */
 int srv_step_work(struct srv_request *request);

@@ -75,6 +75,7 @@ struct srv_service {
     struct proto_encoder *encoder;       /* and one encoded */
     atomic_uint_least64_t replies_tried; /* [compute] answers that it has tried to send */
     uint64_t replies_done;               /* of these, concluded */
+    atomic_bool has_open; /* the loop is to send an answer of [compute] (request.h) */
     struct srv_watcher *watchers;        /* of the sessions that watch; NULL: none does */
     struct srv_session *sessions;        /* newest first, closed ones included */
     struct srv_shared *shared;           /* scenes that sessions share, newest first */
