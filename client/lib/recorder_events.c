@@ -20,9 +20,6 @@ int cli_record_open(struct pccd_client *client)
     int status = client->keeps ? record_writer_open(&recorder->writer, recorder->path)
                                : PCCD_E_NOMEM;
 
-    if (status == 0 && (client->link.features & PROTO_FEATURE_HASH_2) != 0) {
-        status = record_writer_need(&recorder->writer, RECORD_FEATURE_HASH_2);
-    }
     if (status != 0) {
         return cli_record_stop_because(
             client, status,

@@ -15,12 +15,12 @@
 static int write_begin(struct pccd_client *client)
 {
     const struct cli_recorder *recorder = client->recorder;
-    struct record_begin begin = {
-        .pid = (uint32_t)client->owner,
-        .daemon_pid = client->pid,
-        .segment = recorder->segment,
-        .flags = RECORD_EXACT_PAIRS | (recorder->has_records ? RECORD_HAS_RECORDS : 0u) |
-                 recorder->up << RECORD_UP_SHIFT};
+    struct record_begin begin = {.pid = (uint32_t)client->owner,
+                                 .daemon_pid = client->pid,
+                                 .segment = recorder->segment,
+                                 .flags =
+                                     (recorder->has_records ? RECORD_HAS_RECORDS : 0u) |
+                                     recorder->up << RECORD_UP_SHIFT};
     struct timespec now;
 
     (void)clock_gettime(CLOCK_REALTIME, &now);

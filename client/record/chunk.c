@@ -53,57 +53,6 @@ const char *record_kind_name(uint16_t kind)
     }
 }
 
-/* Return what a chunk of this kind needs, an enum record_feature; 0: nothing. */
-static uint32_t kind_feature(uint16_t kind)
-{
-    switch (kind) {
-    case RECORD_SEPARATION:
-    case RECORD_RADII:
-        return RECORD_FEATURE_THICK;
-    case RECORD_FREE:
-        return RECORD_FEATURE_FREE;
-    case RECORD_TELLS:
-        return RECORD_FEATURE_TELLS;
-    case RECORD_TURNING:
-        return RECORD_FEATURE_TURNING;
-    case RECORD_CLEARANCE:
-        return RECORD_FEATURE_CLEARANCE;
-    case RECORD_FILTER:
-    case RECORD_PAIRS:
-        return RECORD_FEATURE_FILTERS;
-    case RECORD_GUEST:
-    case RECORD_MOVE:
-        return RECORD_FEATURE_SHARED;
-    case RECORD_NEAR:
-    case RECORD_NEAR_ANSWER:
-    case RECORD_NEAR_RECORDS:
-        return RECORD_FEATURE_NEAR;
-    default:
-        return 0;
-    }
-}
-
-/* The same of one with this payload, which is as long as its kind says. */
-static uint32_t payload_feature(uint16_t kind, const void *payload)
-{
-    struct record_filter filter;
-    struct record_tells tells;
-
-    if (kind == RECORD_TELLS) {
-        memcpy(&tells, payload, sizeof tells);
-        return kind_feature(kind) |
-               (tells.tells > RECORD_TELLS_START ? RECORD_FEATURE_TOUCHING : 0);
-    }
-    if (kind != RECORD_FILTER) {
-        return kind_feature(kind);
-    }
-    memcpy(&filter, payload, RECORD_FILTER_BYTES);
-    return kind_feature(kind) |
-           ((COMMON_OBJECT_BITS(filter.what) & COMMON_OBJECT_THICK) != 0
-                ? RECORD_FEATURE_THICK
-                : 0);
-}
-
 /* ---- writing ----------------------------------------------------------------------- */
 
 /* All of it, or the file as it was. */
@@ -137,29 +86,9 @@ static int append(struct record_writer *writer, const void *bytes, size_t count)
 struct head {
     char magic[8];
     uint32_t version;
-    uint32_t features;
+    uint32_t reserved;
 };
 static_assert(sizeof(struct head) == RECORD_HEAD_BYTES, "head of a file");
-
-int record_writer_need(struct record_writer *writer, uint32_t features)
-{
-    const struct head head = {RECORD_MAGIC, RECORD_VERSION_MAX,
-                              writer->features | features};
-    ssize_t done;
-
-    if ((features & ~writer->features) == 0) {
-        return 0;
-    }
-    do {
-        done = pwrite(writer->fd, &head, sizeof head, 0);
-    } while (done < 0 && errno == EINTR);
-    if (done != (ssize_t)sizeof head) {
-        errno = done < 0 ? errno : ENOSPC;
-        return PCCD_E_SYSTEM;
-    }
-    writer->features = head.features;
-    return 0;
-}
 
 int record_writer_open(struct record_writer *writer, const char *path)
 {
@@ -172,7 +101,6 @@ int record_writer_open(struct record_writer *writer, const char *path)
     }
     writer->fd = fd;
     writer->bytes = writer->raw_bytes = writer->bytes_max = writer->last = 0;
-    writer->features = 0;
     status = append(writer, &head, sizeof head);
     if (status != 0) {
         int why = errno;
@@ -315,9 +243,7 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
     chunk.header_sum = header_sum(&chunk);
     memcpy(writer->out, &chunk, sizeof chunk);
     memset(body + stored, 0, padded(stored) - stored);
-    status = record_writer_need(writer, payload_feature((uint16_t)kind, writer->raw));
-    status =
-        status != 0 ? status : append(writer, writer->out, sizeof chunk + padded(stored));
+    status = append(writer, writer->out, sizeof chunk + padded(stored));
     if (status == 0) {
         writer->raw_bytes += sizeof chunk + bytes;
         writer->last = writer->bytes - (sizeof chunk + padded(stored));

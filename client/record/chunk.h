@@ -27,7 +27,6 @@ struct record_writer {
     uint64_t last;                   /* of these, before the last chunk; 0: none */
     uint64_t bytes_max;              /* that it may have; 0: no bound */
     uint64_t raw_bytes;              /* the same before compression */
-    uint32_t features;               /* enum record_feature, that this file needs */
     void *squeeze;                   /* of zstd; NULL: not needed yet */
     uint32_t dull[RECORD_KINDS_MAX]; /* of each kind: chunks that are not compressed */
     uint8_t *raw;                    /* a payload in one piece */
@@ -42,9 +41,6 @@ bool record_has_zstd(void);
 /* Make the file, which must not exist, and write its head. PCCD_E_SYSTEM: errno says
  * why. */
 int record_writer_open(struct record_writer *writer, const char *path);
-/* Say in the file's head that it needs these features (enum record_feature) from now on,
- * whatever it holds. PCCD_E_SYSTEM: errno says why. */
-int record_writer_need(struct record_writer *writer, uint32_t features);
 /* Append one chunk, in one write. After a failure the file ends with the chunk before:
  * PCCD_E_SYSTEM (errno), PCCD_E_NOMEM, PCCD_E_LIMIT (bytes_max, which is judged by what
  * compression has left; a payload beyond RECORD_BYTES_MAX). */

@@ -5,11 +5,8 @@
  * payload is stored; the header has a checksum of its own (XXH3-64 over the 40 bytes
  * before it) and one of the stored bytes. A reader skips kinds that it does not know.
  *
- * A file has version 1 until it holds something that older programs do not know and would
- * misread. Then it has version 2, and `features` names what that is. A reader refuses a
- * file with bits that it does not know; its message names these bits, and the release
- * that wrote the file, which the first chunk, BEGIN, tells. The head of the file is
- * overwritten before the first chunk that needs the bit.
+ * A reader refuses a file of another version; its message names the release that wrote
+ * the file, which the first chunk, BEGIN, tells.
  *
  *     segment  BEGIN snapshot LOG events END?
  *     snapshot MESH* (SCENE (OBJECT PLACE? FILTER? NAME?)* PAIRS?)* MESH_GONE*
@@ -45,8 +42,7 @@
 #include "pccd_types.h"
 
 #define RECORD_MAGIC       "pccdrec" /* and its NUL */
-#define RECORD_VERSION     1u        /* of a file that needs no feature */
-#define RECORD_VERSION_MAX 2u        /* of one that does */
+#define RECORD_VERSION     3u        /* its first two were never released */
 #define RECORD_HEAD_BYTES  16u
 #define RECORD_CHUNK_MAGIC 0x68636370u  /* "pcch" */
 #define RECORD_BYTES_MAX   (1ull << 32) /* of a payload */
@@ -85,23 +81,6 @@ enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
 #undef RECORD_ENUM
-};
-
-/* The features that a file needs of its reader. Bits are never given anew. Whatever a
- * file holds that a reader of before would misread (chunks, kinds of contact, radii,
- * requests) has a bit. */
-enum record_feature {
-    RECORD_FEATURE_FILTERS = 1,    /* FILTER and PAIRS */
-    RECORD_FEATURE_SHARED = 2,     /* GUEST and MOVE */
-    RECORD_FEATURE_HASH_2 = 4,     /* hashes of answers are of version 2; without: of 1 */
-    RECORD_FEATURE_NEAR = 8,       /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
-    RECORD_FEATURE_THICK = 16,     /* SEPARATION, RADII, and radii in FILTER */
-    RECORD_FEATURE_FREE = 32,      /* FREE, a MESH or GUEST without triangles */
-    RECORD_FEATURE_TELLS = 64,     /* TELLS */
-    RECORD_FEATURE_TOUCHING = 128, /* more than 1 in TELLS */
-    RECORD_FEATURE_TURNING = 256,  /* TURNING, and segments with joints */
-    RECORD_FEATURE_CLEARANCE = 512, /* CLEARANCE */
-    RECORD_FEATURES = 1023          /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -16,10 +16,10 @@
 static_assert(sizeof(struct record_chunk) == 48, "chunk");
 static_assert(sizeof(struct record_begin) == 56, "begin");
 static_assert(sizeof(struct record_mesh) == 16, "mesh");
-static_assert(sizeof(struct record_scene) == 24, "scene");
+static_assert(sizeof(struct record_scene) == 8, "scene");
 static_assert(sizeof(struct record_object) == 16, "object");
 static_assert(sizeof(struct record_place) == 16, "place");
-static_assert(sizeof(struct record_frame) == 56, "frame");
+static_assert(sizeof(struct record_frame) == 48, "frame");
 static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_separation) == 16, "separation");
 static_assert(sizeof(struct record_tells) == 8, "tells");
@@ -33,7 +33,7 @@ static_assert(sizeof(struct record_records) == 32, "records");
 static_assert(sizeof(struct record_near) == 64, "near");
 static_assert(sizeof(struct record_near_answer) == 328, "near answer");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
-static_assert(RECORD_FILTER_BYTES == 32, "filter of before");
+static_assert(offsetof(struct record_filter, words) == RECORD_FILTER_BYTES, "filter");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
 static_assert(sizeof(struct record_clearance) == 24, "clearance");
 static_assert(sizeof(struct record_guest) == 16, "guest");
@@ -308,8 +308,7 @@ static int judge_filter(const void *payload, uint64_t bytes, char text[RECORD_TE
     struct common_attributes given;
 
     record_filter_read(payload, bytes, &filter, &given);
-    if ((COMMON_OBJECT_BITS(filter.what) & ~COMMON_OBJECT_KNOWN) != 0 ||
-        filter.self > 1) {
+    if ((COMMON_OBJECT_BITS(filter.what) & ~COMMON_OBJECT_KNOWN) != 0) {
         return bad(text, "a filter of unknown kind");
     }
     return is_length(given.radius) && is_length(given.rest_distance) &&

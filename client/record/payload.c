@@ -1,11 +1,8 @@
-/* payload.c - the attributes of an object, as FILTER has them; the tuning of earlier
- * recordings; hashes of answers.
- */
+/* payload.c - the attributes of an object, as FILTER has them; hashes of answers. */
 #include "payload.h"
 
 #include <assert.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
 
 #define XXH_INLINE_ALL
@@ -14,10 +11,8 @@
 void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t object,
                         uint32_t what, const struct common_attributes *given)
 {
-    *filter = (struct record_filter){.scene = scene,
-                                     .object = object,
-                                     .what = COMMON_OBJECT_BITS(what),
-                                     .self = given->self_collision};
+    *filter = (struct record_filter){
+        .scene = scene, .object = object, .what = COMMON_OBJECT_BITS(what)};
     common_attributes_pack(given, filter->words);
 }
 
@@ -30,30 +25,8 @@ void record_filter_read(const void *payload, uint64_t bytes, struct record_filte
     assert(bytes >= RECORD_FILTER_BYTES);
     *filter = (struct record_filter){.what = 0};
     memcpy(filter, payload, read);
-    if (count == COMMON_WORD_SELF) { /* of before */
-        filter->words[count++] = filter->self;
-    }
     *given = (struct common_attributes)COMMON_ATTRIBUTES_AT_FIRST;
     common_attributes_unpack(given, filter->words, count);
-}
-
-void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNING_BYTES])
-{
-    static const char *const words[3][3] = {
-        {"", "scheduler=steal", "scheduler=paper"},
-        {"", "high-level=round-robin", "high-level=disjoint"},
-        {"", "refit=even", "refit=paper"}};
-
-    text[0] = '\0';
-    for (size_t i = 0; i < 3; i++) {
-        uint32_t number = frame->former_tuning[i];
-        size_t used = strlen(text);
-
-        if (number == 1 || number == 2) {
-            (void)snprintf(text + used, PCCD_TUNING_BYTES - used, "%s%s",
-                           used > 0 ? "," : "", words[i][number]);
-        }
-    }
 }
 
 /* sum += what, modulo 2^128. */
@@ -69,18 +42,13 @@ void record_verdict_hash(uint32_t verdict, uint64_t hash[2])
     add(hash, XXH3_128bits(&verdict, sizeof verdict));
 }
 
-void record_answer_hash(uint32_t version, const void *records, uint64_t count,
-                        size_t record_bytes, uint64_t hash[2])
+void record_answer_hash(const void *records, uint64_t count, size_t record_bytes,
+                        uint64_t hash[2])
 {
     const unsigned char *record = records;
 
-    assert(version == 1 || version == 2);
     assert(records != NULL || count == 0);
     hash[0] = hash[1] = 0;
-    if (version == 1) {
-        add(hash, XXH3_128bits(record, count * record_bytes));
-        return;
-    }
     for (uint64_t i = 0; i < count; i++) {
         add(hash, XXH3_128bits(record + i * record_bytes, record_bytes));
     }

@@ -11,15 +11,9 @@
 #include "object_attributes.h"
 
 /* Flags of a segment. */
-enum record_flag {
-    RECORD_HAS_RECORDS = 1, /* RECORDS are kept */
-    /* Mode pairs answers the pairs that no axis separates, by the coordinates as they
-     * are. Without: by boxes in single precision around them, which is the same for
-     * coordinates that are floats, and a few pairs more for others. */
-    RECORD_EXACT_PAIRS = 2
-};
-/* The axis that points up, in two bits above these: 1 x, 2 y, 3 z; 0: nobody knows. */
-#define RECORD_UP_SHIFT 2u
+enum record_flag { RECORD_HAS_RECORDS = 1 }; /* RECORDS are kept */
+/* The axis that points up, in two bits above that: 1 x, 2 y, 3 z; 0: nobody knows. */
+#define RECORD_UP_SHIFT 1u
 #define RECORD_UP_MASK  3u
 
 struct record_begin {
@@ -42,8 +36,6 @@ struct record_mesh {
 struct record_scene {
     uint32_t scene;
     uint32_t reserved;
-    uint64_t former_trees[2]; /* zeros; of earlier recordings: how the method paper built
-                               * its trees, on which no answer depends */
 };
 
 struct record_object {
@@ -106,7 +98,7 @@ struct record_frame {
     uint32_t mode;
     uint32_t method;
     uint32_t threads;
-    uint32_t former_tuning[3]; /* zeros; of earlier recordings: see below */
+    uint32_t reserved;
     double tolerance;
     uint64_t deadline_ns;
 };
@@ -152,7 +144,7 @@ struct record_answer {
     uint64_t possible;
     uint64_t initial;
     double toi_first;
-    uint64_t hash[2]; /* of the version that the head of the file names */
+    uint64_t hash[2];
     uint64_t times[RECORD_TIMES];
     uint64_t counters[RECORD_COUNTERS];
 };
@@ -195,7 +187,7 @@ struct record_near_answer {
     double distance_min;
     double distance_max;
     uint64_t crossings;
-    uint64_t hash[2]; /* version 2; zeros: with a gap there is none */
+    uint64_t hash[2]; /* zeros: with a gap there is none */
     uint64_t times[RECORD_TIMES];
     uint64_t counters[RECORD_COUNTERS];
 };
@@ -207,13 +199,13 @@ struct record_gone {
     uint32_t reserved;
 };
 
-#define RECORD_FILTER_BYTES 32u /* the least: as recordings of before have it */
+#define RECORD_FILTER_BYTES 16u /* the least; a longer one has words */
 struct record_filter {
     uint32_t scene;
     uint32_t object;
     uint32_t what; /* enum pccd_object_what: which of these are set */
-    uint32_t self; /* 0, 1: the third word, which recordings of before have only here */
-    uint64_t words[COMMON_WORDS]; /* attributes (object_attributes.h): two at least */
+    uint32_t reserved;
+    uint64_t words[COMMON_WORDS]; /* attributes (object_attributes.h) */
 };
 
 struct record_pairs {
@@ -249,7 +241,7 @@ struct record_cancel {
 };
 enum record_reason {
     RECORD_STOPPED = 0,  /* pccd_record_stop or pccd_close */
-    RECORD_FULL = 1,     /* max_bytes reached; of earlier recordings also UNWRITTEN */
+    RECORD_FULL = 1,     /* max_bytes reached */
     RECORD_TURNED = 2,   /* the next segment follows, in a file of its own */
     RECORD_APART = 3,    /* what comes next cannot be repeated from a file: it is not this
                          * client's alone, or the daemon does not tell all of it */
@@ -262,7 +254,7 @@ struct record_end {
     uint64_t frames; /* of this segment */
 };
 
-/* ---- FILTER, and the tuning of earlier recordings ---------------------------------- */
+/* ---- FILTER ------------------------------------------------------------------------ */
 
 /* Make a filter of those of `given` that `what` names (bits of enum pccd_object_what, or
  * all). */
@@ -272,20 +264,14 @@ void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t o
 void record_filter_read(const void *payload, uint64_t bytes, struct record_filter *filter,
                         struct common_attributes *given);
 
-/* Write what the numbers of a frame say of how threads share it, in the words of today:
- * "" where all three are 0, as in every frame that is written now; a number that has
- * never had a meaning counts as 0. */
-void record_former_tuning(const struct record_frame *frame, char text[PCCD_TUNING_BYTES]);
+/* ---- The hash of an answer, from its records, to check the one that a daemon sent
+ * (proto/PROTOCOL.md, "The hash of an answer"). */
 
-/* ---- The hash of an answer, from its records, to check the one that a daemon sent: by
- * the version that the recording was made with (proto/PROTOCOL.md, "The hash of an
- * answer"). */
-
-/* Hash all records of an answer, in their order: hash[0] high, hash[1] low; `version` is
- * 1 or 2. Not for mode any: its hash is that of the verdict, in both versions. */
-void record_answer_hash(uint32_t version, const void *records, uint64_t count,
-                        size_t record_bytes, uint64_t hash[2]);
-/* Hash the verdict of an answer of mode any, in both versions. */
+/* Hash all records of an answer, in their order: hash[0] high, hash[1] low. Not for mode
+ * any: its hash is that of the verdict. */
+void record_answer_hash(const void *records, uint64_t count, size_t record_bytes,
+                        uint64_t hash[2]);
+/* Hash the verdict of an answer of mode any. */
 void record_verdict_hash(uint32_t verdict, uint64_t hash[2]);
 /* The record that record_answer_hash takes of answers about the bounds of vertices, whose
  * records are the bounds alone. */

@@ -76,34 +76,14 @@ static void read_release(struct record_reader *reader, char release[17])
     release[sizeof first.begin.library] = '\0';
 }
 
-/* The file needs features that nobody knew when this program was made. */
-static int refuse(struct record_reader *reader, uint32_t unknown)
-{
-    char numbers[80] = "";
-    char release[17];
-    size_t used = 0;
-
-    for (uint32_t bit = 0; bit < 32; bit++) {
-        if ((unknown >> bit & 1u) != 0 && used + 4 < sizeof numbers) {
-            used += (size_t)snprintf(numbers + used, sizeof numbers - used, "%s%" PRIu32,
-                                     used > 0 ? ", " : "", bit);
-        }
-    }
-    read_release(reader, release);
-    return fail(
-        reader, PCCD_E_FORMAT,
-        "it needs feature %s, which this program does not know; %s%s, which wrote "
-        "it, does",
-        numbers, release[0] != '\0' ? "pccd " : "a newer release", release);
-}
-
 static int judge_head(struct record_reader *reader)
 {
     struct {
         char magic[8];
         uint32_t version;
-        uint32_t features;
+        uint32_t reserved;
     } head;
+    char release[17];
     size_t got = 0;
     int status = 0;
 
@@ -116,23 +96,15 @@ static int judge_head(struct record_reader *reader)
     if (got != sizeof head || memcmp(head.magic, RECORD_MAGIC, sizeof head.magic) != 0) {
         return fail(reader, PCCD_E_FORMAT, "not a recording of pccd");
     }
-    if (head.version < RECORD_VERSION || head.version > RECORD_VERSION_MAX) {
+    if (head.version != RECORD_VERSION) {
+        read_release(reader, release);
         return fail(reader, PCCD_E_FORMAT,
-                    "a recording of version %" PRIu32 ", and this program reads %u to %u",
-                    head.version, RECORD_VERSION, RECORD_VERSION_MAX);
+                    "a recording of version %" PRIu32 "%s%s, and this program reads %u",
+                    head.version, release[0] != '\0' ? " by pccd " : "", release,
+                    RECORD_VERSION);
     }
-    if (head.version > RECORD_VERSION &&
-        (head.features & ~(uint32_t)RECORD_FEATURES) != 0) {
-        return refuse(reader, head.features & ~(uint32_t)RECORD_FEATURES);
-    }
-    reader->features = head.version > RECORD_VERSION ? head.features : 0;
     reader->offset = sizeof head;
     return 0;
-}
-
-uint32_t record_reader_hash_version(const struct record_reader *reader)
-{
-    return (reader->features & RECORD_FEATURE_HASH_2) != 0 ? 2 : 1;
 }
 
 int record_reader_open(struct record_reader *reader, const char *path)

@@ -20,7 +20,6 @@ struct record_reader {
     const void *memory; /* the caller's */
     uint64_t bytes;     /* of file or memory, when it was opened */
     uint64_t offset;    /* of the next chunk */
-    uint32_t features;  /* enum record_feature, of the file */
     enum record_ending ending;
     uint32_t vertex_count_max; /* of any mesh that was read */
     bool has_end;              /* the last chunk was END */
@@ -56,8 +55,6 @@ int record_reader_next(struct record_reader *reader, struct record_view *view);
  * (1 << kind) is not in `kinds`. */
 int record_reader_skim(struct record_reader *reader, uint32_t kinds,
                        struct record_view *view);
-/* Return the version of the hashes in the file's answers, 1 or 2 (payload.h). */
-uint32_t record_reader_hash_version(const struct record_reader *reader);
 /* Go on with the chunk at `offset`, which a view has named. */
 void record_reader_seek(struct record_reader *reader, uint64_t offset);
 

@@ -12,8 +12,8 @@
 /* Chunks of kinds, lengths and bytes that the input chooses. */
 static size_t compose(struct fuzz_input *input, uint8_t *file)
 {
-    static const uint8_t head[RECORD_HEAD_BYTES] = {'p', 'c', 'c', 'd', 'r', 'e', 'c',
-                                                    0,   2,   0,   0,   0,   1};
+    static const uint8_t head[RECORD_HEAD_BYTES] = {'p', 'c', 'c', 'd',           'r',
+                                                    'e', 'c', 0,   RECORD_VERSION};
     size_t at = sizeof head;
 
     memcpy(file, head, sizeof head);

@@ -250,8 +250,6 @@ CASE(free__is_recorded_repeated_and_verified)
     test_recording_clear();
     begin(&play, test_shared.url, NULL);
     assert_ok(pccd_record_start(play.client, test_recording, &kept));
-    assert_int_equal(test_recording_features(test_recording) & RECORD_FEATURE_FREE,
-                     RECORD_FEATURE_FREE);
     const struct pccd_mesh_data data = data_below();
     assert_ok(pccd_mesh_put(play.client, &data, &play.mesh[0], NULL));
     assert_int_equal(move(&play, 1, -1, 0.25, NULL).total, 4);

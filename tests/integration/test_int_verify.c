@@ -55,11 +55,7 @@ enum forgery {
     FORGE_PAIR,   /* and not the floor */
     FORGE_COUNT,
     FORGE_NAMES = FORGE_COUNT, /* of library and processor, which a terminal would obey */
-    FORGE_PAIRS,               /* the hash of an answer in mode pairs, */
-    FORGE_OLD_PAIRS,           /* and as recorded when mode pairs compared boxes */
-    FORGE_OLD_HASH,            /* a recording of before, with hashes of version 1, */
-    FORGE_OLD_WRONG,           /* and one of these wrong */
-    FORGE_UNKNOWN,             /* a feature that nobody knows */
+    FORGE_PAIRS,               /* the hash of an answer in mode pairs */
     FORGE_FATE,                /* what enters is told to leave, and the reverse */
     /* What was asked in mode all is said to have been asked in mode first-per-pair: with
      * all contacts, or with that of the greatest or the least toi alone. */
@@ -109,21 +105,15 @@ static void put_rest(struct forger *forger, const struct record_view *view)
 {
     struct record_begin begin;
 
-    if (view->kind != RECORD_BEGIN ||
-        (forger->forgery != FORGE_NAMES && forger->forgery != FORGE_OLD_PAIRS)) {
+    if (view->kind != RECORD_BEGIN || forger->forgery != FORGE_NAMES) {
         put(forger, view->kind, view->time_ns, view->payload, view->bytes, NULL, 0);
         return;
     }
     assert_int_equal(view->bytes, sizeof begin);
     memcpy(&begin, view->payload, sizeof begin);
-    if (forger->forgery == FORGE_NAMES) {
-        memcpy(begin.library, "\033[2J\233\a", 7);
-        memset(begin.cpu, '\033', sizeof begin.cpu); /* and no NUL */
-        forger->is_done = true;
-    } else {
-        assert_true((begin.flags & RECORD_EXACT_PAIRS) != 0);
-        begin.flags &= ~(uint32_t)RECORD_EXACT_PAIRS;
-    }
+    memcpy(begin.library, "\033[2J\233\a", 7);
+    memset(begin.cpu, '\033', sizeof begin.cpu); /* and no NUL */
+    forger->is_done = true;
     put(forger, RECORD_BEGIN, view->time_ns, &begin, sizeof begin, NULL, 0);
 }
 
@@ -235,15 +225,6 @@ static void forge_records(struct forger *forger, const struct record_view *view)
     struct record_records head;
 
     memcpy(&head, view->payload, sizeof head);
-    if (forger->forgery == FORGE_OLD_HASH || forger->forgery == FORGE_OLD_WRONG) {
-        assert_int_equal(head.count, forger->answer.total);
-        record_hash_1(body, head.count, head.record_bytes, forger->answer.hash);
-        forger->answer.hash[0] ^= forger->forgery == FORGE_OLD_WRONG && !forger->is_done;
-        forger->is_done = true;
-        put_answer(forger);
-        put(forger, RECORD_RECORDS, view->time_ns, view->payload, view->bytes, NULL, 0);
-        return;
-    }
     bool is_done = forger->is_done && !is_per_pair(forger->forgery);
     if (head.record_bytes != sizeof(struct pccd_contact) || is_done) {
         put_answer(forger);
@@ -302,14 +283,6 @@ static void forge_of(const char *source, enum forgery forgery)
     (void)unlink(test_forged);
     assert_ok(record_writer_open(&forger.writer, test_forged));
     assert_ok(record_reader_open(&reader, source));
-    assert_int_equal(record_reader_hash_version(&reader), 2);
-    if (forgery != FORGE_OLD_HASH && forgery != FORGE_OLD_WRONG) {
-        assert_ok(record_writer_need(&forger.writer, reader.features));
-    }
-    if (forgery == FORGE_UNKNOWN) {
-        assert_ok(record_writer_need(&forger.writer, 1u << 20));
-        forger.is_done = true;
-    }
     while ((got = record_reader_next(&reader, &view)) == 1) {
         if (view.kind == RECORD_ANSWER) {
             put_answer(&forger);
@@ -320,7 +293,7 @@ static void forge_of(const char *source, enum forgery forgery)
                 forger.answer.mode = PCCD_MODE_FIRST_PER_PAIR;
             }
             bool is_chosen = forger.answer.mode == PCCD_MODE_PAIRS
-                                 ? forgery == FORGE_PAIRS || forgery == FORGE_OLD_PAIRS
+                                 ? forgery == FORGE_PAIRS
                                  : forgery == FORGE_HASH;
             if (is_chosen && !forger.is_done) {
                 forger.answer.hash[1] ^= 1;
@@ -536,29 +509,21 @@ CASE(replay__shows_the_first_difference)
     HONEST(0, "replay", "", "");
 }
 
-/* If this failed, recordings of before would be called wrong, because their hashes were
- * computed in another way; or a wrong one right. */
-CASE(replay__and_verify_check_old_recordings_by_version_1)
-{
-    forge(FORGE_OLD_HASH);
-    FORGED(0, "replay", "", "6 the same, 0 not");
-    FORGED(0, "verify", "", "PASS: 6 steps");
-    FORGED(0, "verify", "--repeat", "PASS: 6 steps");
-    forge(FORGE_OLD_WRONG);
-    FORGED(1, "replay", "--keep-going", "5 the same, 1 not", "has another hash",
-           "  expected  1:", "  got       1:");
-    FORGED(1, "verify", "", "the recorded hash is not that of the recorded records");
-}
-
 /* If this failed, a recording that this program would misread would be called wrong, or
- * right, in the place of newer. */
-CASE(replay__names_a_feature_that_it_does_not_know)
+ * right, in the place of another format. */
+CASE(replay__refuses_a_recording_of_another_version)
 {
-    forge(FORGE_UNKNOWN);
+    FILE *file;
+
+    forge(FORGE_NOTHING);
+    file = fopen(test_forged, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 8, SEEK_SET), 0);
+    assert_int_equal(fputc(2, file), 2);
+    assert_int_equal(fclose(file), 0);
     for (int i = 0; i < 2; i++) {
         FORGED(4, i == 0 ? "replay" : "verify", "",
-               "it needs feature 20, which this program does not",
-               "pccd 0.1.0, which wrote it, does");
+               "a recording of version 2 by pccd 0.1.0, and this program reads 3");
     }
 }
 
@@ -575,16 +540,11 @@ CASE(replay__shows_what_a_recording_says_as_text)
     assert_null(strchr(said, '\233'));
 }
 
-/* If this failed, a recording made when mode pairs had another definition would make a
- * right daemon look wrong, or nothing in mode pairs would be compared any more. */
-CASE(replay__knows_by_which_rule_pairs_were_recorded)
+/* If this failed, nothing in mode pairs would be compared. */
+CASE(replay__compares_pairs)
 {
     forge(FORGE_PAIRS);
-    FORGED(1, "replay", "--keep-going --json", "\"differ\": 1");
-    forge(FORGE_OLD_PAIRS);
-    FORGED(0, "replay", "--json", "\"other_pairs\": 3", "\"same\": 3");
-    FORGED(0, "replay", "", "3 in mode pairs, recorded when it compared boxes");
-    FORGED(0, "verify", "--repeat", "");
+    FORGED(1, "replay", "--keep-going --json", "\"differ\": 1", "\"same\": 5");
 }
 
 CASES_WITH(set_up, test_recording_stop);

@@ -67,14 +67,3 @@ uint64_t test_recording_repeats(const char *options, const char *file, uint64_t 
     assert_in_range(test_ctl_number(said, "same"), least, ANSWERS_MAX);
     return test_ctl_number(said, "same");
 }
-
-uint32_t test_recording_features(const char *path)
-{
-    uint32_t head[4] = {0};
-    FILE *file = fopen(path, "rb");
-
-    assert_non_null(file);
-    assert_int_equal(fread(head, sizeof head, 1, file), 1);
-    (void)fclose(file);
-    return head[3];
-}

@@ -25,7 +25,4 @@ void test_recording_clear(void);
  * there are. */
 uint64_t test_recording_repeats(const char *options, const char *file, uint64_t least);
 
-/* The bits of the features that a recording's head names. */
-uint32_t test_recording_features(const char *path);
-
 #endif

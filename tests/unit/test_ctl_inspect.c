@@ -41,7 +41,6 @@ static void fall_begin(struct fall *fall, uint64_t number)
                     .param = {0.5f, 1.0f},
                     .normal = {0, -1, 0}},
         .step = {.number = number,
-                 .hash_version = PCCD_HASH_VERSION,
                  .scene = &fall->scene,
                  .answer = &fall->answer,
                  .contacts = &fall->contact,

@@ -151,14 +151,12 @@ static const char *compare_near(const struct play_step *near)
 static const char *compare_step(const struct play_step *step)
 {
     const struct record_answer *then = step->recorded;
-    uint64_t hash[2];
     if (step->asked != NULL) {
         return compare_near(step);
     }
-    play_hash(step, hash);
-    return then == NULL
-               ? "none"
-               : compare(then->status, then->incomplete, then->hash, step->answer, hash);
+    return then == NULL ? "none"
+                        : compare(then->status, then->incomplete, then->hash,
+                                  step->answer, step->answer->hash);
 }
 
 /* ---- steps ------------------------------------------------------------------------- */

@@ -65,21 +65,6 @@ bool play_is_within(const struct play_settings *settings, uint64_t step)
     return step >= settings->first && (settings->last == 0 || step <= settings->last);
 }
 
-void play_hash(const struct play_step *step, uint64_t hash[2])
-{
-    const struct pccd_answer *answer = step->answer;
-    if (step->hash_version == PCCD_HASH_VERSION || answer->status != PCCD_OK ||
-        answer->mode == PCCD_MODE_ANY) {
-        memcpy(hash, answer->hash, sizeof answer->hash);
-    } else if (answer->mode == PCCD_MODE_PAIRS) {
-        record_answer_hash(step->hash_version, step->pairs, step->found.count,
-                           sizeof *step->pairs, hash);
-    } else {
-        record_answer_hash(step->hash_version, step->contacts, step->found.count,
-                           sizeof *step->contacts, hash);
-    }
-}
-
 /* Say what is wrong with the file behind step `last_step`, and that a range may stop
  * before. Returns `status`. */
 static int damaged(const struct play_reader *reader, int status, const char *text,
@@ -134,10 +119,6 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns,
     struct replayer *replayer = &reader->replayer;
     struct recorded_item asked = reader->item;
     bool is_traced = settings->is_traced && !asked.is_near;
-    /* A hash of another version is computed from the records. */
-    bool collects = settings->needs_records ||
-                    (!asked.is_near &&
-                     record_reader_hash_version(&reader->chunks) != PCCD_HASH_VERSION);
     int status = open_daemon(reader, error);
     if (status != PCCD_OK) {
         return status;
@@ -157,13 +138,15 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns,
         step_trace_begin(&reader->trace, replayer->client);
     }
     uint64_t begin_ns = common_now_ns();
-    status = replayer_ask(replayer, &reader->state, &asked, collects, error);
+    status =
+        replayer_ask(replayer, &reader->state, &asked, settings->needs_records, error);
     reader->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
     if (status == PCCD_OK && is_traced) {
         step_trace_end(&reader->trace, replayer->client);
     }
     *found = (struct answers_found){.records = NULL};
-    if (status == PCCD_OK && collects && replayer->answer.status == PCCD_OK) {
+    if (status == PCCD_OK && settings->needs_records &&
+        replayer->answer.status == PCCD_OK) {
         *found = (struct answers_found){.records = replayer->records,
                                         .count = replayer->record_count,
                                         .first_count = replayer->answer.count,
@@ -238,15 +221,11 @@ static void describe_step(const struct play_reader *reader, struct play_step *st
     step->resolution = item->resolution;
     step->joints = reader->joints;
     step->recorded = then;
-    step->hash_version = record_reader_hash_version(&reader->chunks);
     if (mode == PCCD_MODE_PAIRS) {
         step->pairs = step->found.records;
     } else {
         step->contacts = step->found.records;
     }
-    step->has_old_pairs = item->frame.mode == PCCD_MODE_PAIRS &&
-                          (reader->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
-    step->has_other_pairs = answer != NULL && step->has_old_pairs;
     if (answer != NULL) {
         step->client = reader->replayer.client;
         step->trace = reader->settings.is_traced ? &reader->trace : NULL;

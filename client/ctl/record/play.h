@@ -58,12 +58,8 @@ struct play_step {
     double resolution;             /* of bodies that turn; 0: the default */
     struct recorded_joints joints; /* on which they turn (registry_object: turned) */
     const struct record_answer *recorded; /* NULL: there was none */
-    uint32_t hash_version;                /* of the recorded hash */
-    const struct pccd_contact *contacts; /* found.records; NULL in mode pairs */
-    const struct pccd_pair *pairs;       /* found.records; NULL in any other mode */
-    /* Mode pairs was recorded by another rule than that of today (RECORD_EXACT_PAIRS),
-     * and a daemon's answer may differ from it. */
-    bool has_old_pairs, has_other_pairs;
+    const struct pccd_contact *contacts;  /* found.records; NULL in mode pairs */
+    const struct pccd_pair *pairs;        /* found.records; NULL in any other mode */
     struct pccd_client
         *client; /* the daemon's, this being its last step; NULL: not asked */
     const struct step_trace *trace; /* what its threads did; NULL: not asked for */
@@ -89,10 +85,10 @@ struct play_settings {
     bool needs_records;
     bool is_traced; /* steps that a daemon answers: with what its threads did */
     bool at_recorded_pace;
-    bool only_last; /* of these steps, or, with shows_near, questions: the last that was
+    bool only_last;  /* of these steps, or, with shows_near, questions: the last that was
                        answered */
-    uint64_t number;      /* that steps are told of by; 0: their own */
-    uint64_t first, last; /* steps to show and to repeat; last 0: to the end */
+    uint64_t number; /* that steps are told of by; 0: their own */
+    uint64_t first, last;    /* steps to show and to repeat; last 0: to the end */
     enum pccd_method method; /* 0: as recorded */
     uint32_t threads;        /* 0: as recorded */
     const char *label;       /* of the progress bar */
@@ -137,10 +133,6 @@ int play_damage(const struct play_reader *reader, struct ctl_error *error);
 uint32_t play_up(const struct play_settings *parts);
 /* Return whether a step is of the range that the settings name. */
 bool play_is_within(const struct play_settings *settings, uint64_t step);
-
-/* Compute the hash of the daemon's answer to a step by the version of the recorded hash,
- * so that the two can be compared. */
-void play_hash(const struct play_step *step, uint64_t hash[2]);
 
 /* Return whether any pair that is near enough is a right answer, so that there is no
  * hash. */

@@ -521,9 +521,6 @@ bool recorded_item_take(struct recorded_item *item, const struct record_view *vi
         memcpy(&item->frame, view->payload, sizeof item->frame);
         item->is_near = false;
         item->slot = (const uint8_t *)view->payload + sizeof item->frame;
-        if (item->tuning[0] == '\0') {
-            record_former_tuning(&item->frame, item->tuning);
-        }
         item->number = item->frame.step;
         item->scene = item->frame.scene;
         item->segment_count = item->frame.segment_count;

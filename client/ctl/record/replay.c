@@ -52,7 +52,7 @@ static struct replay_side side_of(int status, uint64_t total, const uint64_t has
     return side;
 }
 
-static enum replay_what difference(const struct play_step *step, const uint64_t hash[2])
+static enum replay_what difference(const struct play_step *step)
 {
     const struct record_answer *then = step->recorded;
     const struct pccd_answer *now = step->answer;
@@ -66,7 +66,7 @@ static enum replay_what difference(const struct play_step *step, const uint64_t 
         then->ee != now->counts[PCCD_EE]) {
         return WHAT_TOTAL;
     }
-    if (memcmp(then->hash, hash, sizeof then->hash) != 0) {
+    if (memcmp(then->hash, now->hash, sizeof then->hash) != 0) {
         return WHAT_HASH;
     }
     if (memcmp(&then->toi_first, &now->toi_first, sizeof(double)) != 0) {
@@ -116,16 +116,11 @@ void replay_judge(const struct play_step *step, struct replay_item *item)
     const struct record_answer *then = step->recorded;
     const struct record_near_answer *then_near = step->recorded_near;
     const struct pccd_answer *now = step->answer;
-    uint64_t hash[2] = {now->hash[0], now->hash[1]};
     bool is_near = step->asked != NULL;
     memset(item, 0, sizeof *item); /* all of it goes to other processes */
-    if (!is_near) {
-        play_hash(step, hash);
-    }
     item->step = step->number;
     item->is_near = is_near;
-    item->hash_version = is_near ? PCCD_HASH_VERSION : step->hash_version;
-    item->got = side_of(now->status, now->total, hash, is_near ? 0 : now->toi_first);
+    item->got = side_of(now->status, now->total, now->hash, is_near ? 0 : now->toi_first);
     if (then == NULL && then_near == NULL) {
         item->outcome = REPLAY_UNANSWERED;
         return;
@@ -138,10 +133,8 @@ void replay_judge(const struct play_step *step, struct replay_item *item)
         !play_is_complete((uint32_t)now->incomplete) ||
         (is_near && play_has_gap(step->asked))) {
         item->outcome = REPLAY_INCOMPLETE;
-    } else if (step->has_other_pairs) {
-        item->outcome = REPLAY_OTHER_PAIRS;
     } else {
-        judge(item, is_near ? near_difference(step) : difference(step, hash));
+        judge(item, is_near ? near_difference(step) : difference(step));
     }
 }
 
@@ -179,7 +172,7 @@ static void print_side(const struct replay_item *item, const char *name,
                        const struct replay_side *side)
 {
     char text[PROTO_HASH_BYTES];
-    proto_hash_text(item->hash_version, side->hash, text);
+    proto_hash_text(PCCD_HASH_VERSION, side->hash, text);
     if (side->status != PCCD_OK) {
         fprintf(columns_fitted(stdout), "  %s  %s\n", name,
                 pccd_status_name(side->status));
@@ -220,13 +213,6 @@ void replay_print_text(const struct replay_counts *counts,
                 " incomplete, %" PRIu64 " that had failed by chance\n",
                 of[REPLAY_UNANSWERED], of[REPLAY_INCOMPLETE], of[REPLAY_SKIPPED]);
     }
-    if (of[REPLAY_OTHER_PAIRS] > 0) {
-        fprintf(columns_fitted(stdout),
-                "not         %" PRIu64
-                " in mode pairs, recorded when it compared boxes in "
-                "single precision\n",
-                of[REPLAY_OTHER_PAIRS]);
-    }
     if (of[REPLAY_DIFFERS] > 0) {
         fprintf(columns_fitted(stdout), "%s %" PRIu64 " has another %s\n",
                 first->is_near ? "what is near, question" : "step", first->step,
@@ -236,10 +222,10 @@ void replay_print_text(const struct replay_counts *counts,
     }
 }
 
-static json_t *side_json(const struct replay_item *item, const struct replay_side *side)
+static json_t *side_json(const struct replay_side *side)
 {
     char text[PROTO_HASH_BYTES];
-    proto_hash_text(item->hash_version, side->hash, text);
+    proto_hash_text(PCCD_HASH_VERSION, side->hash, text);
     return json_pack("{s:s, s:I, s:s}", "status", pccd_status_name(side->status), "total",
                      (json_int_t)side->total, "hash", text);
 }
@@ -249,20 +235,20 @@ bool replay_print_json(const struct replay_counts *counts,
 {
     const uint64_t *of = counts->of;
     json_t *all = json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:b}", "steps",
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:b}", "steps",
         (json_int_t)summary->frames, "nears", (json_int_t)summary->questions, "compared",
         (json_int_t)compared(counts), "same", (json_int_t)of[REPLAY_SAME], "differ",
         (json_int_t)of[REPLAY_DIFFERS], "unanswered", (json_int_t)of[REPLAY_UNANSWERED],
-        "incomplete", (json_int_t)of[REPLAY_INCOMPLETE], "other_pairs",
-        (json_int_t)of[REPLAY_OTHER_PAIRS], "skipped", (json_int_t)of[REPLAY_SKIPPED],
-        "seconds", summary->seconds, "is_whole", summary->ending == RECORD_ENDING_WHOLE);
+        "incomplete", (json_int_t)of[REPLAY_INCOMPLETE], "skipped",
+        (json_int_t)of[REPLAY_SKIPPED], "seconds", summary->seconds, "is_whole",
+        summary->ending == RECORD_ENDING_WHOLE);
     bool ok = all != NULL;
     if (ok && of[REPLAY_DIFFERS] > 0) {
         const struct replay_item *first = &counts->first;
-        json_t *told = json_pack("{s:I, s:s, s:o, s:o}", "step", (json_int_t)first->step,
-                                 "what", replay_whats[first->what], "expected",
-                                 side_json(first, &first->expected), "got",
-                                 side_json(first, &first->got));
+        json_t *told =
+            json_pack("{s:I, s:s, s:o, s:o}", "step", (json_int_t)first->step, "what",
+                      replay_whats[first->what], "expected", side_json(&first->expected),
+                      "got", side_json(&first->got));
         ok = json_object_set_new(all, "first_difference", told) == 0;
     }
     return output_json(all, ok, stdout);

@@ -12,10 +12,9 @@
 #define REPLAY_OUTCOMES(X)                                                               \
     X(SAME, "same")                                                                      \
     X(DIFFERS, "differs")                                                                \
-    X(UNANSWERED, "unanswered")   /* there is no recorded answer */                      \
-    X(INCOMPLETE, "incomplete")   /* one of the two is; or any answer is right */        \
-    X(OTHER_PAIRS, "other_pairs") /* mode pairs, recorded by another rule */             \
-    X(SKIPPED, "skipped")         /* it had failed by chance */
+    X(UNANSWERED, "unanswered") /* there is no recorded answer */                        \
+    X(INCOMPLETE, "incomplete") /* one of the two is; or any answer is right */          \
+    X(SKIPPED, "skipped")       /* it had failed by chance */
 enum replay_outcome {
 #define REPLAY_ENUM(name, text) REPLAY_##name,
     REPLAY_OUTCOMES(REPLAY_ENUM)
@@ -35,9 +34,8 @@ struct replay_side {
  * told. */
 struct replay_item {
     uint64_t step;
-    uint32_t outcome;      /* enum replay_outcome */
-    uint32_t what;         /* DIFFERS: in what; a place in replay_whats */
-    uint32_t hash_version; /* of both hashes */
+    uint32_t outcome; /* enum replay_outcome */
+    uint32_t what;    /* DIFFERS: in what; a place in replay_whats */
     bool is_near;
     struct replay_side expected; /* zeros without a recorded answer */
     struct replay_side got;      /* zeros when it is skipped */

@@ -302,8 +302,7 @@ uint64_t verify_mix(uint64_t x)
 static bool check_beside(const struct play_step *step, const struct pccd_pair *pair,
                          struct verify_result *result)
 {
-    return (step->has_old_pairs && step->answer == NULL) || verify_turns(step, pair) ||
-           verify_is_beside(step, pair) ||
+    return verify_turns(step, pair) || verify_is_beside(step, pair) ||
            verify_wrong(result, step, pair, "an axis separates a pair of the answer");
 }
 
@@ -406,10 +405,6 @@ static void leave_open(const struct play_step *step, struct verify_result *resul
     if (!verify_is_complete(step)) {
         verify_leave(result, "%s: what is missing in its answer is not checked",
                      incomplete < sizeof why / sizeof why[0] ? why[incomplete] : "?");
-    } else if (step->has_old_pairs && verify_mode(step) == PCCD_MODE_PAIRS &&
-               step->answer == NULL) {
-        verify_leave(result, "it is of mode pairs, recorded when that compared boxes in "
-                             "single precision");
     }
 }
 

@@ -135,7 +135,6 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
     if (verify_mode(draw->step) == PCCD_MODE_PAIRS) {
         draw->result->counts.non_contacts++;
         return !verify_is_beside(draw->step, pair) ||
-               (draw->step->has_old_pairs && draw->step->answer == NULL) ||
                verify_wrong(draw->result, draw->step, pair,
                             "a pair that no axis separates is missing in the answer");
     }

@@ -101,12 +101,11 @@ static bool side_read(const json_t *object, struct replay_side *side)
 static json_t *line(const void *result)
 {
     const struct replay_item *item = result;
-    return json_pack("{s:I, s:b, s:s, s:s, s:I, s:o, s:o}", "step",
-                     (json_int_t)item->step, "is_near", item->is_near, "outcome",
-                     replay_outcome_names[item->outcome], "what",
-                     item->outcome == REPLAY_DIFFERS ? replay_whats[item->what] : "",
-                     "hash_version", (json_int_t)item->hash_version, "got",
-                     side_json(&item->got), "expected", side_json(&item->expected));
+    return json_pack(
+        "{s:I, s:b, s:s, s:s, s:o, s:o}", "step", (json_int_t)item->step, "is_near",
+        item->is_near, "outcome", replay_outcome_names[item->outcome], "what",
+        item->outcome == REPLAY_DIFFERS ? replay_whats[item->what] : "", "got",
+        side_json(&item->got), "expected", side_json(&item->expected));
 }
 
 /* The place of a text in a table; `count`: it is not there. */
@@ -122,21 +121,19 @@ static uint32_t find(const char *text, const char *const *names, uint32_t count)
 static bool read_line(const json_t *object, void *result)
 {
     struct replay_item *item = result;
-    json_int_t step = 0, version = 0;
+    json_int_t step = 0;
     int is_near = 0;
     const char *outcome = NULL, *what = NULL;
     const json_t *got = NULL, *expected = NULL;
     memset(item, 0, sizeof *item);
-    if (json_unpack((json_t *)(uintptr_t)object, "{s:I, s:b, s:s, s:s, s:I, s:o, s:o}",
-                    "step", &step, "is_near", &is_near, "outcome", &outcome, "what",
-                    &what, "hash_version", &version, "got", &got, "expected",
-                    &expected) != 0 ||
+    if (json_unpack((json_t *)(uintptr_t)object, "{s:I, s:b, s:s, s:s, s:o, s:o}", "step",
+                    &step, "is_near", &is_near, "outcome", &outcome, "what", &what, "got",
+                    &got, "expected", &expected) != 0 ||
         !side_read(got, &item->got) || !side_read(expected, &item->expected)) {
         return false;
     }
     item->step = (uint64_t)step;
     item->is_near = is_near != 0;
-    item->hash_version = (uint32_t)version;
     item->outcome = find(outcome, replay_outcome_names, REPLAY_OUTCOME_COUNT);
     item->what = what[0] == '\0' ? 0 : find(what, replay_whats, REPLAY_WHAT_COUNT);
     return item->outcome < REPLAY_OUTCOME_COUNT && item->what < REPLAY_WHAT_COUNT;
