@@ -253,7 +253,8 @@ int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t sce
         struct pccd_object_info info = {.object = entry->object,
                                         .mesh = entry->mesh,
                                         .triangles = entry->triangles,
-                                        .owner = entry->owner};
+                                        .owner = entry->owner,
+                                        .name = entry->name};
 
         COMMON_ATTRIBUTES_COPY(&info, entry);
         each(context, &info);

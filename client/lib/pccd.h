@@ -442,11 +442,11 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
  * which it has done neither. E_INVAL: a pointer is NULL. */
 int pccd_user_data(struct pccd_client *client, uint32_t scene, const uint32_t *objects,
                    uint64_t count, uint64_t *user_data);
-/* Say what an object is called, such as "left sleeve", for the people who look at
- * recordings, of this client or of others that share the scene: they are told the name,
- * and else a number. UTF-8, at most 255 bytes; NULL, "": it has no name any more. Errors
- * as of pccd_object_set, and E_INVAL: the name is longer; E_VERSION: the daemon knows no
- * names. */
+/* Say what an object is called, such as "left sleeve", for the people who look at the
+ * daemon (pccd_list_objects), or at recordings of this client and of others that share
+ * the scene: they are told the name, and else a number. UTF-8, at most 255 bytes; NULL,
+ * "": it has no name any more. Errors as of pccd_object_set, and E_INVAL: the name is
+ * longer; E_VERSION: the daemon knows no names. */
 int pccd_object_name(struct pccd_client *client, uint32_t scene, uint32_t object,
                      const char *name);
 /* Make two objects ignore each other, or (ignored = false) meet again, by their radii.

@@ -78,6 +78,7 @@ struct pccd_object_info {
     uint32_t rest_rings;
     double radius, rest_distance;
     uint64_t user_data;
+    const char *name; /* pccd_object_name's, gone when the callback returns; "": none */
 };
 
 struct pccd_registered_mesh {

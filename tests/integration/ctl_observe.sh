@@ -78,9 +78,9 @@ print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][
     ctl list scenes --json && json 'len(j) == 1 and j[0]["objects"] == 1' &&
     json 'j[0]["steps"] > 0 and len(j[0]["last_hash"]) == 34' &&
     ctl list objects --json --session "$session" && json 'len(j) == 1 and j[0]["triangles"] == 2' &&
-    json 'j[0]["owner"] == '"$session"' and j[0]["group"] == "0x1" and j[0]["self_collision"]' &&
+    json 'j[0]["name"] == "a" and j[0]["owner"] == '"$session"' and j[0]["group"] == "0x1" and j[0]["self_collision"]' &&
     json 'j[0]["radius"] == 0 and j[0]["rest_distance"] == 0 and j[0]["rest_rings"] == 0 and j[0]["user_data"] == 0' &&
-    ctl list objects && says ' +2 +'"$session"' +1 +ffffffffffffffff self +0 +0 +0 +0$' &&
+    ctl list objects && says '^SESSION +SCENE +OBJECT NAME ' '0x[0-9a-f]+ a +0x[0-9a-f]+ +2 +'"$session"' +1 +ffffffffffffffff self +0 +0 +0 +0$' &&
     ctl list pairs --json && json 'j == []' && ctl list pairs && says '^SESSION +SCENE +OBJECT A' &&
     ctl list meshes --json && json 'j[0]["vertices"] == 6 and j[0]["committed"]' &&
     ctl list meshes && says ' 6 +2 +1 +1 committed$' &&

@@ -53,6 +53,7 @@ struct objects {
     uint32_t count;
     uint32_t handles[4];
     uint32_t meshes[4];
+    char names[4][PROTO_STR_MAX + 1];
 };
 
 static void take_object(void *context, const struct pccd_object_info *info)
@@ -62,6 +63,7 @@ static void take_object(void *context, const struct pccd_object_info *info)
     if (objects->count < 4) {
         objects->handles[objects->count] = info->object;
         objects->meshes[objects->count] = info->mesh;
+        strcpy(objects->names[objects->count], info->name);
     }
     objects->count++;
     assert_int_equal(info->triangles, 1);
@@ -90,7 +92,6 @@ CASE_CROSSING(list__has_what_a_session_has)
     struct scenes scenes = {.count = 0};
     struct objects objects = {.count = 0};
     uint32_t meshes = 0;
-
     for (int i = 0; i < TURNS; i++) {
         assert_true(test_crossing_turn(crossing));
     }
@@ -145,6 +146,38 @@ CASE_CROSSING(list__has_what_a_session_has)
     assert_int_equal(pccd_list_objects(other, 0, 77, take_object, &objects),
                      PCCD_E_HANDLE);
     pccd_close(other);
+}
+
+/* Return what the list calls an object. */
+static const char *name_of(const struct test_crossing *crossing, uint32_t object)
+{
+    static struct objects objects;
+    uint32_t i = 0;
+
+    objects.count = 0;
+    assert_ok(
+        pccd_list_objects(crossing->client, 0, crossing->scene, take_object, &objects));
+    while (i < objects.count && objects.handles[i] != object) {
+        i++;
+    }
+    assert_true(i < objects.count);
+    return objects.names[i];
+}
+
+/* If it failed, pccdctl would call an object by another's name, or by an earlier one. */
+CASE_CROSSING(list__tells_names_of_objects)
+{
+    const struct test_crossing *crossing = *state;
+    const char *longest = memset((char[PROTO_STR_MAX + 1]){""}, '"', PROTO_STR_MAX);
+    const char *names[] = {"floor", longest, "f", "", NULL, "again"};
+
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        assert_ok(pccd_object_name(crossing->client, crossing->scene, crossing->floor,
+                                   names[i]));
+        assert_string_equal(name_of(crossing, crossing->floor),
+                            names[i] != NULL ? names[i] : "");
+        assert_string_equal(name_of(crossing, crossing->object), "");
+    }
 }
 
 /* ---- histograms -------------------------------------------------------------------- */

@@ -210,26 +210,28 @@ struct object_line {
     struct pccd_object_info info;
     char group[20], mask[20]; /* JSON has no numbers of 64 bits */
     const char *self;
+    char name[256]; /* in the place of info.name */
 };
 
 #define OF(member) COLUMN_OF(struct object_line, member)
 static const struct column object_columns[COLUMNS_MAX] = {
     {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
-    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .rank = 3},
+    {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .rank = 7},
     {"object", "OBJECT", COLUMN_HANDLE, OF(info.object), .rank = 2},
+    {"name", "NAME", COLUMN_CHARS, OF(name), .is_left = true, .cut = 24, .rank = 3},
     {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .rank = 4},
     {"triangles", "TRIANGLES", COLUMN_NUMBER, OF(info.triangles), .rank = 5},
-    {"owner", "OWNER", COLUMN_NUMBER, OF(info.owner), .rank = 9},
+    {"owner", "OWNER", COLUMN_NUMBER, OF(info.owner), .rank = 10},
     {"group", .type = COLUMN_CHARS, OF(group)},
     {"mask", .type = COLUMN_CHARS, OF(mask)},
-    {NULL, "GROUP", COLUMN_CHARS, OF(group[2]), .rank = 7}, /* without its 0x */
-    {NULL, "MASK", COLUMN_CHARS, OF(mask[2]), .rank = 8},
+    {NULL, "GROUP", COLUMN_CHARS, OF(group[2]), .rank = 8}, /* without its 0x */
+    {NULL, "MASK", COLUMN_CHARS, OF(mask[2]), .rank = 9},
     {NULL, "MEETS", COLUMN_TEXT, OF(self), .is_left = true, .rank = 6},
     {"self_collision", .type = COLUMN_FLAG, OF(info.self_collision)},
-    {"radius", "RADIUS", COLUMN_REAL, OF(info.radius), .rank = 10},
-    {"rest_distance", "REST", COLUMN_REAL, OF(info.rest_distance), .rank = 11},
-    {"rest_rings", "RINGS", COLUMN_NUMBER, OF(info.rest_rings), .rank = 12},
-    {"user_data", "USER", COLUMN_NUMBER, OF(info.user_data), .rank = 13},
+    {"radius", "RADIUS", COLUMN_REAL, OF(info.radius), .rank = 11},
+    {"rest_distance", "REST", COLUMN_REAL, OF(info.rest_distance), .rank = 12},
+    {"rest_rings", "RINGS", COLUMN_NUMBER, OF(info.rest_rings), .rank = 13},
+    {"user_data", "USER", COLUMN_NUMBER, OF(info.user_data), .rank = 14},
     {0}};
 #undef OF
 
@@ -240,6 +242,8 @@ static void print_object(void *context, const struct pccd_object_info *info)
                                .scene = printer->scene,
                                .info = *info,
                                .self = info->self_collision ? "self" : "-"};
+    line.info.name = NULL; /* `name` is to be used */
+    snprintf(line.name, sizeof line.name, "%s", info->name);
     snprintf(line.group, sizeof line.group, "0x%" PRIx64, info->group);
     snprintf(line.mask, sizeof line.mask, "0x%" PRIx64, info->mask);
     keep_row(printer, object_columns, &line, sizeof line);

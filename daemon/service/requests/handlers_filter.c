@@ -11,22 +11,21 @@
 #include "session.h"
 #include "srv_journal.h"
 
-/* Admission: a scene and an object that is in it, or soon will be; `is_own`: this
- * session's, which alone says what it may meet where a scene is shared. */
+/* Admission: a scene and an object that is in it, or soon will be. In a scene
+ * that is shared an object's owner alone says what it may meet. */
 static int find_object(struct srv_call *call, uint32_t scene_handle, uint32_t object,
-                       struct srv_scene **scene, bool *is_own)
+                       struct srv_scene **scene, struct srv_object **item)
 {
     struct srv_scene *found = srv_admit_scene(call, call->session, scene_handle);
     if (found == NULL) {
         return call->error.code;
     }
-    const struct srv_object *item = srv_handles_get(&found->objects, object);
-    if (item == NULL) {
+    *item = srv_handles_get(&found->objects, object);
+    if (*item == NULL) {
         return proto_error_set(&call->error, PCCD_E_HANDLE,
                                "scene 0x%x has no object 0x%x", scene_handle, object);
     }
     *scene = found;
-    *is_own = item->owner == call->session;
     return 0;
 }
 
@@ -158,8 +157,12 @@ static void finish_set(struct srv_request *request)
                                   ? srv_handles_get(&request->plan.scene->objects,
                                                     request->params.OBJECT_SET.object)
                                   : NULL;
-    if (item != NULL) { /* else it has gone meanwhile */
-        COMMON_ATTRIBUTES_COPY(&item->attributes, &request->result.OBJECT_SET);
+    if (item == NULL) {
+        return; /* it has gone meanwhile */
+    }
+    COMMON_ATTRIBUTES_COPY(&item->attributes, &request->result.OBJECT_SET);
+    if (request->params.OBJECT_SET.has_name && item->name != NULL) {
+        strcpy(item->name, request->params.OBJECT_SET.name);
     }
 }
 
@@ -188,12 +191,12 @@ int srv_on_OBJECT_SET(struct srv_call *call)
 {
     const struct proto_OBJECT_SET_request *asked = &call->params.OBJECT_SET;
     struct srv_scene *scene = NULL;
-    bool is_own = false;
-    int status = find_object(call, asked->scene, asked->object, &scene, &is_own);
+    struct srv_object *item = NULL;
+    int status = find_object(call, asked->scene, asked->object, &scene, &item);
     if (status != 0) {
         return status;
     }
-    if (!is_own && (asked->what != 0 || asked->has_name)) {
+    if (item->owner != call->session && (asked->what != 0 || asked->has_name)) {
         return proto_error_set(&call->error, PCCD_E_ACCESS,
                                "object 0x%x is another session's", asked->object);
     }
@@ -203,6 +206,11 @@ int srv_on_OBJECT_SET(struct srv_call *call)
                                asked->what, COMMON_OBJECT_KNOWN);
     }
     status = check_thickness(call);
+    if (status == 0 && asked->has_name && asked->name[0] != '\0' && item->name == NULL) {
+        item->name = srv_enginemem_new(call->session->owner.user, PROTO_STR_MAX + 1,
+                                       "a name", &call->error);
+        status = item->name == NULL ? call->error.code : 0;
+    }
     return status != 0 ? status : queue(call, scene, work_set, finish_set);
 }
 
@@ -244,15 +252,15 @@ int srv_on_SCENE_IGNORE(struct srv_call *call)
 {
     const struct proto_SCENE_IGNORE_request *asked = &call->params.SCENE_IGNORE;
     struct srv_scene *scene = NULL;
-    bool is_own[2] = {false, false};
-    int status = find_object(call, asked->scene, asked->a, &scene, &is_own[0]);
+    struct srv_object *a = NULL, *b = NULL;
+    int status = find_object(call, asked->scene, asked->a, &scene, &a);
     if (status == 0) {
-        status = find_object(call, asked->scene, asked->b, &scene, &is_own[1]);
+        status = find_object(call, asked->scene, asked->b, &scene, &b);
     }
     if (status != 0) {
         return status;
     }
-    if (!is_own[0] && !is_own[1]) {
+    if (a->owner != call->session && b->owner != call->session) {
         return proto_error_set(&call->error, PCCD_E_ACCESS,
                                "objects 0x%x and 0x%x are other sessions'", asked->a,
                                asked->b);

@@ -1,4 +1,6 @@
 /* handlers_list.c - list.session, .scene, .object, .pair and .mesh. */
+#include <string.h>
+
 #include "call.h"
 #include "meshes.h"
 #include "request.h"
@@ -115,6 +117,9 @@ int srv_on_LIST_OBJECT(struct srv_call *call)
             .owner = object->owner->id,
         };
         COMMON_ATTRIBUTES_COPY(&call->result.LIST_OBJECT, &object->attributes);
+        if (object->name != NULL) {
+            strcpy(call->result.LIST_OBJECT.name, object->name);
+        }
     }
     return 0;
 }

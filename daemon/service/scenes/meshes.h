@@ -45,6 +45,7 @@ struct srv_object {
     const struct srv_member
         *member; /* with which it did (shared.h); NULL: its own scene */
     struct common_attributes attributes; /* as was answered last */
+    char *name; /* the same, ours: room for any; NULL: it never had one */
     struct srv_shape
         *borrowed_shape;     /* in a scene of another user: kept for as long as the
                               * object, so that each frees what is charged to it; and its

@@ -44,6 +44,7 @@ static void object_free(struct srv_object *object)
     service->metrics.counters.objects_now--;
     owner->stats.objects--;
     owner->stats.triangles -= object->triangles;
+    srv_enginemem_delete(owner->owner.user, object->name);
     srv_enginemem_delete(owner->owner.user, object);
 }
 
