@@ -60,19 +60,20 @@ static void fill_answer(const struct proto_answer *from, bool is_near,
 static void take_one(const struct pccd_client *client, const struct cli_call *call,
                      struct pccd_answer *to)
 {
-    struct pccd_answer answer = {.step = call->step, .status = call->status};
+    struct pccd_answer answer = {.step = call->step};
+    bool is_near = call->method == PROTO_METHOD_SCENE_NEAR ||
+                   call->method == PROTO_METHOD_NEAR_FETCH;
+    const void *records =
+        call->page != 0 ? cli_page_base(client, call->page) + call->answer.offset : NULL;
 
-    if (call->status == 0) {
-        bool is_near = call->method == PROTO_METHOD_SCENE_NEAR ||
-                       call->method == PROTO_METHOD_NEAR_FETCH;
-        const void *records =
-            call->page != 0 ? cli_page_base(client, call->page) + call->answer.offset
-                            : NULL;
-
-        fill_answer(&call->answer, is_near, records, &answer);
-        answer.reserved[0] = call->page;
-        answer.reserved[1] = answer_tag(client, call->page);
+    if (call->status != 0) { /* `to` may still have the records of an answer before it */
+        to->step = call->step;
+        to->status = call->status;
+        return;
     }
+    fill_answer(&call->answer, is_near, records, &answer);
+    answer.reserved[0] = call->page;
+    answer.reserved[1] = answer_tag(client, call->page);
     cli_struct_fill(to, &answer, sizeof answer);
 }
 
@@ -85,23 +86,26 @@ static void take_batch(const struct pccd_client *client, const struct cli_call *
                        struct pccd_batch_answer *to)
 {
     const struct proto_BATCH_SUBMIT_result *result = &call->batch;
-    struct pccd_batch_answer answer = {.step = call->step, .status = call->status};
 
-    if (call->status == 0) {
-        answer.failed = result->failed;
-        answer.incomplete = result->incomplete;
-        answer.scenes = cli_batch_answers(client, call);
-        answer.count = result->count;
-        answer.total = result->total;
-        answer.threads = result->threads;
-        answer.queue_ns = result->ns_queue;
-        answer.batch_ns = result->ns_batch;
-        answer.steps_ns = result->ns_steps;
-        answer.mode = (enum pccd_mode)call->params.BATCH_SUBMIT.mode;
-        answer.offset = result->offset;
-        answer.reserved[0] = call->page;
-        answer.reserved[1] = answer_tag(client, call->page);
+    if (call->status != 0) {
+        to->step = call->step;
+        to->status = call->status;
+        return;
     }
+    const struct pccd_batch_answer answer = {
+        .step = call->step,
+        .failed = result->failed,
+        .incomplete = result->incomplete,
+        .scenes = cli_batch_answers(client, call),
+        .count = result->count,
+        .total = result->total,
+        .threads = result->threads,
+        .queue_ns = result->ns_queue,
+        .batch_ns = result->ns_batch,
+        .steps_ns = result->ns_steps,
+        .mode = (enum pccd_mode)call->params.BATCH_SUBMIT.mode,
+        .offset = result->offset,
+        .reserved = {call->page, answer_tag(client, call->page)}};
     cli_struct_fill(to, &answer, sizeof answer);
 }
 
@@ -311,6 +315,7 @@ void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
     answer->pairs = NULL;
     answer->near = NULL;
     answer->vertex_bounds = NULL;
+    answer->count = 0;
 }
 
 int pccd_cancel(struct pccd_client *client, uint64_t step)

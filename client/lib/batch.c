@@ -542,4 +542,5 @@ void pccd_batch_release(struct pccd_client *client, struct pccd_batch_answer *an
     }
     cli_answer_release(client, answer->reserved);
     answer->scenes = NULL;
+    answer->count = 0;
 }

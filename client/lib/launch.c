@@ -63,11 +63,16 @@ static int find_program(const char *name, char *program)
     return PCCD_E_NODAEMON;
 }
 
-/* pccdd in a folder. Returns 0 or PCCD_E_NODAEMON. */
+/* pccdd in a folder, or in the one above a folder in which libtool keeps libraries.
+ * Returns 0 or PCCD_E_NODAEMON. */
 static int find_in(char folder[CLI_FOLDER_BYTES], char *program)
 {
+    static const char built[] = "/.libs";
     size_t bytes = strlen(folder);
 
+    if (bytes > strlen(built) && strcmp(folder + bytes - strlen(built), built) == 0) {
+        bytes -= strlen(built);
+    }
     if (bytes == 0 || bytes + sizeof "/pccdd" > CLI_FOLDER_BYTES) {
         return PCCD_E_NODAEMON;
     }

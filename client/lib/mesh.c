@@ -379,26 +379,33 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
     return pccd_mesh_put(client, &data, &mesh, info);
 }
 
-/* One page of edges: as many as the result region has room for. */
-static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first,
-                       uint32_t count, struct pccd_edge *edges, uint32_t *fetched)
+/* One page of edges from `got` on: as many as the result region has room for. */
+static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t edge_count,
+                       struct pccd_edge *edges, uint32_t *got, uint32_t *total)
 {
     struct proto_MESH_EDGES_request request = {
-        .mesh = mesh, .first = first, .count = count};
+        .mesh = mesh, .first = *got, .count = edge_count - *got};
     struct proto_MESH_EDGES_result result;
     uint64_t page;
     int status = cli_call_page(client, PROTO_METHOD_MESH_EDGES, &request, &result,
                                cli_deadline(client, -1), &page);
 
-    if (status == 0 && (result.count == 0 || result.count > count)) {
+    if (status != 0) {
+        return status;
+    }
+    *total = result.total;
+    if (edge_count < *total) {
+        status = cli_fail(client, PCCD_E_INVAL,
+                          "mesh.edges: edge_count is %u, mesh 0x%x has %u edges",
+                          edge_count, mesh, *total);
+    } else if (result.count > request.count || (result.count == 0 && *got < *total)) {
         status =
             cli_fail(client, PCCD_E_BUSY,
                      "mesh.edges: no room in the result region: release answers first");
-    }
-    if (status == 0) {
-        memcpy(edges, cli_page_base(client, page) + result.offset,
+    } else if (result.count > 0) {
+        memcpy(edges + *got, cli_page_base(client, page) + result.offset,
                result.count * sizeof *edges);
-        *fetched = result.count;
+        *got += result.count;
     }
     cli_page_release(client, page);
     return status;
@@ -408,7 +415,7 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
                     uint32_t edge_count)
 {
     uint32_t got = 0;
-    uint32_t fetched = 0;
+    uint32_t total = 0;
     int status;
 
     CLI_ENTER_OR_RETURN(client);
@@ -416,9 +423,10 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
         return cli_fail(client, PCCD_E_INVAL, "mesh.edges: edges is NULL");
     }
     status = cli_ring_ensure(client);
-    for (; status == 0 && got < edge_count; got += fetched) {
-        fetched = 0;
-        status = fetch_edges(client, mesh, got, edge_count - got, edges + got, &fetched);
+    if (status == 0) {
+        do {
+            status = fetch_edges(client, mesh, edge_count, edges, &got, &total);
+        } while (status == 0 && got < total);
     }
     return status;
 }

@@ -89,12 +89,15 @@ int cli_page_check(struct pccd_client *client)
                ? 0
                : cli_fail(client, PCCD_E_BUSY,
                           "%u answers are not released, or wait for an older one that is "
-                          "not: release them first",
-                          cli_page_count(client));
+                          "not: the oldest is the answer to step %llu, release it first",
+                          cli_page_count(client),
+                          (unsigned long long)client
+                              ->pages[client->page_first % CLI_PAGES]
+                              .step);
 }
 
 int cli_page_add(struct pccd_client *client, const struct proto_page *page,
-                 uint64_t *serial)
+                 uint64_t step, uint64_t *serial)
 {
     const struct proto_memory *region = &client->ring.result;
 
@@ -109,7 +112,7 @@ int cli_page_add(struct pccd_client *client, const struct proto_page *page,
         return PCCD_E_BADMSG;
     }
     client->pages[client->page_end % CLI_PAGES] =
-        (struct cli_page){page->release, region->base, false};
+        (struct cli_page){page->release, region->base, step, false};
     *serial = client->page_end++;
     proto_memory_touch(&client->ring.result,
                        page->offset + page->count * page->record_bytes);

@@ -335,8 +335,9 @@ struct pccd_mesh_data {
  * edges and points. */
 int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *data,
                   uint32_t *mesh, struct pccd_mesh_info *info);
-/* Copy the unique edges to edges[info.edge_count], in the order of the records' feature
- * numbers. E_BUSY: there is no room for them; release answers first. */
+/* Copy the unique edges, info.edge_count of them, in the order of the records' feature
+ * numbers; edge_count says for how many there is room. E_INVAL: for fewer than there are;
+ * E_BUSY: no room in the memory for answers; release answers first. */
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
@@ -574,7 +575,8 @@ struct pccd_answer {
     size_t struct_bytes; /* sizeof(struct pccd_answer), set before a call, as
                             PCCD_ANSWER_INIT does; 0 reads as that */
     uint64_t step;       /* the client's number for it, as returned by pccd_submit */
-    int status;          /* 0, or why the step failed: then nothing else is set and
+    int status;          /* 0, or why the step failed: then nothing else is set, records
+                            that it still has of an answer before can be released, and
                             positions are as before; pccd_error_text says more */
     enum pccd_mode mode;
     enum pccd_method method;
@@ -741,8 +743,11 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms);
  * another shape since. */
 int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer);
-/* Give the records back. Pages may be released in any order. Safe on an answer without
- * records and after a failure. */
+/* Give the records back, and set `count` to 0. Pages may be released in any order, but
+ * the memory of one comes back when all before it are released, too: one that is kept
+ * holds back what came after it, and with 193 answers held so the next step is E_BUSY,
+ * and pccd_error_text names the oldest. Safe on an answer without records and after a
+ * failure. */
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer);
 /* Stop a submitted step. Unless it is done already, its answer has `incomplete` =
  * PCCD_INCOMPLETE_CANCELLED. */

@@ -145,7 +145,9 @@ static int take_page(struct pccd_client *client, struct cli_call *call,
                      const void *result)
 {
     const struct proto_page page = page_of(call, result);
-    int status = cli_page_add(client, &page, &call->page);
+    uint64_t step =
+        call->step != 0 || !is_answered(call) ? call->step : call->answer.step;
+    int status = cli_page_add(client, &page, step, &call->page);
 
     if (status == 0 && call->method == PROTO_METHOD_BATCH_SUBMIT) {
         status = touch_records(client, call);

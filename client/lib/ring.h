@@ -46,6 +46,7 @@ struct cli_slot {
 struct cli_page {
     uint64_t release;    /* result_head that gives it back */
     const uint8_t *base; /* of the region that it lies in */
+    uint64_t step;       /* that it belongs to; 0: to none */
     bool released;
 };
 

@@ -61,10 +61,11 @@ int cli_await(struct pccd_client *client);
 
 /* ---- pages of records -------------------------------------------------------------- */
 
-/* Enter a page. *serial = 0 when it has no records. Returns 0 or PCCD_E_BADMSG: it does
- * not lie inside the mapping, and is not entered. */
+/* Enter a page of the answer to `step`, 0: of another one. *serial = 0 when it has no
+ * records. Returns 0 or PCCD_E_BADMSG: it does not lie inside the mapping, and is not
+ * entered. */
 int cli_page_add(struct pccd_client *client, const struct proto_page *page,
-                 uint64_t *serial);
+                 uint64_t step, uint64_t *serial);
 
 /* Release the page of that serial; one that is released already, or never was, is
  * ignored. */

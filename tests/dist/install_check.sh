@@ -293,7 +293,7 @@ if command -v pkg-config >/dev/null; then
     # shellcheck disable=SC2046,SC2086 # words on purpose
     (cd "$work" && PKG_CONFIG_PATH=$top_builddir && export PKG_CONFIG_PATH &&
         ${CC-cc} -o first "$top_srcdir/client/examples/hello.c" $(pkg-config --cflags --libs pccd) &&
-        PCCD_DAEMON=$top_builddir/pccdd ./first) >"$log" 2>&1
+        ./first) >"$log" 2>&1
     # If it failed, the first program could not be tried without an installation.
     tap_result $? $name "$log"
 else

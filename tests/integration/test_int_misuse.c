@@ -35,6 +35,7 @@ CASE_CROSSING(misuse__pages_that_are_held_take_no_step_its_answer)
     struct pccd_answer held = PCCD_ANSWER_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
+    char text[64];
     int status = 0;
 
     turn(crossing, &held);
@@ -42,8 +43,11 @@ CASE_CROSSING(misuse__pages_that_are_held_take_no_step_its_answer)
         status = pccd_mesh_edges(client, crossing->mesh, edges, 3);
     }
     assert_int_equal(status, PCCD_E_BUSY);
-    assert_non_null(strstr(pccd_error_text(client), "release"));
+    (void)snprintf(text, sizeof text, "the answer to step %llu, release it",
+                   (unsigned long long)held.step);
+    assert_non_null(strstr(pccd_error_text(client), text));
     pccd_answer_release(client, &held);
+    assert_int_equal(held.count, 0);
     assert_ok(pccd_mesh_edges(client, crossing->mesh, edges, 3));
 
     turn(crossing, &held);
@@ -60,6 +64,32 @@ CASE_CROSSING(misuse__pages_that_are_held_take_no_step_its_answer)
     pccd_answer_release(client, &answer);
     pccd_answer_release(client, &held);
     assert_true(test_crossing_turn(crossing));
+}
+
+/* If it failed, a step that is refused would make the records lost that its answer still
+ * had, and a loop that goes on would end by it some hundred steps later. */
+CASE_CROSSING(misuse__a_step_that_fails_leaves_the_records_of_its_answer)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint64_t step = 0;
+
+    for (int i = 0; i < PAGES; i++) {
+        turn(crossing, &answer);
+        const struct pccd_contact first = answer.contacts[0];
+        const struct pccd_motion wrong = {.object = crossing->object,
+                                          .first = 3,
+                                          .count = 1,
+                                          .x1 = test_floor_x};
+
+        assert_ok(pccd_submit(client, crossing->scene, &wrong, 1, NULL, &step));
+        assert_int_equal(pccd_wait(client, step, -1, &answer), PCCD_E_SEGMENT);
+        assert_int_equal(answer.status, PCCD_E_SEGMENT);
+        assert_int_equal(answer.step, step);
+        assert_memory_equal(&answer.contacts[0], &first, sizeof first);
+        pccd_answer_release(client, &answer);
+    }
 }
 
 /* ---- a process that forks ---------------------------------------------------------- */

@@ -27,7 +27,7 @@ CASE_CROSSING(mesh__counts_and_edges_are_those_of_the_data)
                                                  {1, 3}, {2, 3}, {0, 5}, {1, 5}};
     struct test_crossing *crossing = *state;
     struct pccd_mesh_info info;
-    struct pccd_edge edges[8];
+    struct pccd_edge edges[12], untouched[12];
     uint32_t mesh = 0;
 
     assert_ok(pccd_mesh_create(crossing->client, x, PCCD_FORMAT_F64, 6, triangles, 6,
@@ -38,9 +38,21 @@ CASE_CROSSING(mesh__counts_and_edges_are_those_of_the_data)
     assert_int_equal(info.duplicate_count, 1);  /* (3, 2, 1) is (1, 2, 3) again */
     assert_int_equal(info.degenerate_count, 1); /* (0, 1, 5) lies on a line */
     assert_int_equal(info.isolated_count, 1);   /* vertex 4 */
+    memset(edges, 0xff, sizeof edges);
+    memcpy(untouched, edges, sizeof edges);
     assert_ok(pccd_mesh_edges(crossing->client, mesh, edges, 8));
     assert_memory_equal(edges, expected, sizeof expected);
-    assert_ok(pccd_mesh_edges(crossing->client, mesh, edges, 0));
+    assert_ok(pccd_mesh_edges(crossing->client, mesh, edges, 12)); /* more room */
+    assert_memory_equal(edges, expected, sizeof expected);
+    assert_memory_equal(edges + 8, untouched + 8, 4 * sizeof *edges);
+    memcpy(edges, untouched, sizeof edges);
+    for (uint32_t room = 0; room < 8; room += 7) {
+        assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, room),
+                         PCCD_E_INVAL);
+        assert_memory_equal(edges, untouched, sizeof edges);
+    }
+    assert_non_null(strstr(pccd_error_text(crossing->client), "edge_count is 7"));
+    assert_non_null(strstr(pccd_error_text(crossing->client), "has 8 edges"));
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh + 77, edges, 8),
                      PCCD_E_HANDLE);
     assert_ok(pccd_mesh_destroy(crossing->client, mesh));

@@ -454,7 +454,10 @@ static int work_edges(struct srv_request *request)
                page.count * sizeof(struct pccd_edge));
     }
     request->result.MESH_EDGES = (struct proto_MESH_EDGES_result){
-        .count = (uint32_t)page.count, .offset = page.position, .release = page.release};
+        .count = (uint32_t)page.count,
+        .offset = page.position,
+        .release = page.release,
+        .total = info.edge_count};
     return 0;
 }
 
