@@ -60,15 +60,16 @@ void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
     }
     double size =
         eng_most(size_of(motion->p), eng_most(size_of(motion->b), size_of(motion->c)));
+    motion->scale = 1;
     if (size > 0 && (size > 2 || size < 0x1p-150)) {
         /* Products of up to eight factors must neither overflow nor lose bits below the
          * normal range. A power of two changes no bit of what stays normal. */
         int exponent;
         frexp(size, &exponent);
-        double factor = ldexp(1.0, exponent > -1000 ? -exponent : 1000);
-        scale(motion->p, factor);
-        scale(motion->b, factor);
-        scale(motion->c, factor);
+        motion->scale = ldexp(1.0, exponent > -1000 ? -exponent : 1000);
+        scale(motion->p, motion->scale);
+        scale(motion->b, motion->scale);
+        scale(motion->c, motion->scale);
     }
     motion->size_p = size_of(motion->p);
     motion->size_b = size_of(motion->b);
@@ -98,21 +99,43 @@ double eng_pose_det(const struct eng_pose *pose)
     return eng_dot(pose->p, n);
 }
 
-void eng_motion_bernstein(const struct eng_pose *l, const struct eng_pose *r, double f[4])
+/* Vectors across b and c over a span, by Bernstein coefficients, the second one twice. */
+struct across {
+    double n[3][3];
+};
+
+static inline struct across set_cubic(const struct eng_pose *l, const struct eng_pose *r,
+                                      double f[4])
 {
-    double n_ll[3];
-    double n_rr[3];
+    struct across across;
     double n_lr[3];
     double n_rl[3];
-    eng_cross(n_ll, l->b, l->c);
-    eng_cross(n_rr, r->b, r->c);
+    eng_cross(across.n[0], l->b, l->c);
+    eng_cross(across.n[2], r->b, r->c);
     eng_cross(n_lr, l->b, r->c);
     eng_cross(n_rl, r->b, l->c);
-    double mixed[3] = {n_lr[0] + n_rl[0], n_lr[1] + n_rl[1], n_lr[2] + n_rl[2]};
-    f[0] = eng_dot(l->p, n_ll);
-    f[1] = (eng_dot(r->p, n_ll) + eng_dot(l->p, mixed)) / 3.0;
-    f[2] = (eng_dot(l->p, n_rr) + eng_dot(r->p, mixed)) / 3.0;
-    f[3] = eng_dot(r->p, n_rr);
+    for (int k = 0; k < 3; k++) {
+        across.n[1][k] = n_lr[k] + n_rl[k];
+    }
+    f[0] = eng_dot(l->p, across.n[0]);
+    f[1] = (eng_dot(r->p, across.n[0]) + eng_dot(l->p, across.n[1])) / 3.0;
+    f[2] = (eng_dot(l->p, across.n[2]) + eng_dot(r->p, across.n[1])) / 3.0;
+    f[3] = eng_dot(r->p, across.n[2]);
+    return across;
+}
+
+void eng_motion_bernstein(const struct eng_pose *l, const struct eng_pose *r, double f[4])
+{
+    (void)set_cubic(l, r, f);
+}
+
+double eng_motion_planes(const struct eng_pose *l, const struct eng_pose *r, double f[4])
+{
+    struct across across = set_cubic(l, r, f);
+    const double square = eng_most(eng_dot(across.n[0], across.n[0]),
+                                   eng_most(0.25 * eng_dot(across.n[1], across.n[1]),
+                                            eng_dot(across.n[2], across.n[2])));
+    return sqrt(square);
 }
 
 double eng_bernstein_root(const double f[4], double *slope)
@@ -169,8 +192,12 @@ static struct reach reach_of(const double l[3], const double r[3], double size)
     return reach;
 }
 
+/* At least the root of 27: lengths by coordinates, of n and of an edge. */
+#define RIM 5.25
+
 enum eng_domain eng_motion_domain(const struct eng_motion *motion,
-                                  const struct eng_pose *l, const struct eng_pose *r)
+                                  const struct eng_pose *l, const struct eng_pose *r,
+                                  double rim)
 {
     struct reach p = reach_of(l->p, r->p, motion->size_p);
     struct reach b = reach_of(l->b, r->b, motion->size_b);
@@ -198,6 +225,8 @@ enum eng_domain eng_motion_domain(const struct eng_motion *motion,
     if (beta < -e_beta || gamma < -e_gamma) {
         return ENG_OUTSIDE;
     }
+    e_beta += RIM * rim * high_bc * c.high;
+    e_gamma += RIM * rim * high_bc * b.high;
     bool inside = beta > e_beta && gamma > e_gamma;
     if (motion->kind == PCCD_VF) {
         double rest = nn - beta - gamma;
@@ -267,16 +296,11 @@ static void project(enum pccd_kind kind, const struct eng_pose *pose, const doub
 }
 
 bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose *l,
-                          const struct eng_pose *r)
+                          const struct eng_pose *r, const struct eng_pose *when,
+                          double reach)
 {
-    struct eng_pose middle;
-    for (int k = 0; k < 3; k++) {
-        middle.p[k] = 0.5 * (l->p[k] + r->p[k]);
-        middle.b[k] = 0.5 * (l->b[k] + r->b[k]);
-        middle.c[k] = 0.5 * (l->c[k] + r->c[k]);
-    }
     struct eng_closest closest;
-    eng_closest_to_origin(motion->kind, &middle, &closest);
+    eng_closest_to_origin(motion->kind, when, &closest);
     const double *d = closest.gap;
     double low = INFINITY;
     double high = -INFINITY;
@@ -284,7 +308,7 @@ bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose
     project(motion->kind, r, d, &low, &high);
     double margin = 32 * ENG_U * (fabs(d[0]) + fabs(d[1]) + fabs(d[2])) *
                         (motion->size_p + motion->size_b + motion->size_c) +
-                    ENG_TINY;
+                    reach * (sqrt(eng_dot(d, d)) * (1 + 8 * ENG_U) + 0x1p-500) + ENG_TINY;
     return low > margin || high < -margin;
 }
 

@@ -265,13 +265,27 @@ static enum look decide_exactly(struct search *search, struct span span,
     return ++search->empty_count == EMPTY_MAX ? look_at_rest(search, hit) : LOOK_EMPTY;
 }
 
+/* Return whether the features stay apart along the direction that is between them in the
+ * middle of a span. */
+static bool separates(const struct search *search, const struct eng_pose *l,
+                      const struct eng_pose *r)
+{
+    struct eng_pose middle;
+    for (int k = 0; k < 3; k++) {
+        middle.p[k] = 0.5 * (l->p[k] + r->p[k]);
+        middle.b[k] = 0.5 * (l->b[k] + r->b[k]);
+        middle.c[k] = 0.5 * (l->c[k] + r->c[k]);
+    }
+    return eng_motion_separates(&search->motion, l, r, &middle, 0);
+}
+
 /* Decide a short span, or say that it has to be cut. */
 static enum look look_at_short(struct search *search, const struct span *span,
                                const struct eng_pose *pose_l,
                                const struct eng_pose *pose_r, const double f[4],
                                struct eng_hit *hit)
 {
-    enum eng_domain domain = eng_motion_domain(&search->motion, pose_l, pose_r);
+    enum eng_domain domain = eng_motion_domain(&search->motion, pose_l, pose_r, 0);
     if (domain == ENG_OUTSIDE) {
         return LOOK_EMPTY;
     }
@@ -292,7 +306,7 @@ static enum look look_at_short(struct search *search, const struct span *span,
         }
     }
     /* Nearly parallel edges and slivers hide (beta, gamma); a gap in the plane shows. */
-    if (domain == ENG_UNSURE && eng_motion_separates(&search->motion, pose_l, pose_r)) {
+    if (domain == ENG_UNSURE && separates(search, pose_l, pose_r)) {
         return LOOK_EMPTY;
     }
     if (span->r - span->l <= search->floor || span->is_bracket) {
@@ -326,7 +340,7 @@ static enum look look_at(struct search *search, const struct span *span,
     if (crosses && cut_around_root(search, span, f)) {
         return LOOK_CUT;
     }
-    if (eng_motion_separates(&search->motion, &pose_l, &pose_r)) {
+    if (separates(search, &pose_l, &pose_r)) {
         return LOOK_EMPTY;
     }
     cut_in_the_middle(search, span);
@@ -344,7 +358,7 @@ static bool touches_at_start(struct search *search)
     eng_motion_pose(&search->motion, 0, &pose);
     search->f_start = eng_pose_det(&pose);
     if (fabs(search->f_start) > search->motion.e_det ||
-        eng_motion_domain(&search->motion, &pose, &pose) == ENG_OUTSIDE) {
+        eng_motion_domain(&search->motion, &pose, &pose, 0) == ENG_OUTSIDE) {
         return false;
     }
     return moment_at(search, 0)->touching;

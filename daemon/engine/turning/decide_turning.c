@@ -37,6 +37,9 @@
 /* Windows that are tried before a contact is called possible. */
 #define WINDOWS 20
 
+/* So often the time is refined up to which planes keep features apart. */
+#define CUTS 3
+
 /* Shorter spans are not cut where nobody knows. */
 #define LENGTH_LEAST 0x1p-44
 
@@ -64,6 +67,16 @@ struct span {
     struct eng_point points[4];
 };
 
+/* The motion of thin features in a span. */
+struct passage {
+    struct eng_motion motion;
+    struct eng_pose pose[2];
+    double reach;  /* eps, and a little more, as the motion is scaled */
+    double f[4];   /* Bernstein coefficients of det[p, b, c] */
+    double height; /* where |det| is more, both planes are farther apart than reach */
+    double middle; /* part of the span after which f is 0; -1: nobody knows */
+};
+
 struct decider {
     struct eng_poses *poses;
     const struct eng_turning_pair *pair;
@@ -83,6 +96,7 @@ struct decider {
     bool is_beyond; /* a place is beyond the numbers that tests know */
     double side;  /* thin, proved: its sign is that of det[p, b, c] before the contact */
     double guess; /* thin features have met then, it seems; INFINITY: nobody knows */
+    struct passage passage;        /* of the span that was looked at, if they are thin */
     struct moment spare[2];        /* of a window */
     struct moment begin;           /* the earliest span begins here */
     struct moment ends[SPANS_MAX]; /* spans that are left end here; the first one last */
@@ -211,6 +225,69 @@ static void advance(const struct decider *decider, struct eng_quads quads, uint3
     kernels->advance(quads, numbers, count, &limits, told);
 }
 
+/* Set the motion of features that are VF or EE. */
+static void set_passage(enum pccd_kind kind, const struct span *span,
+                        struct passage *passage)
+{
+    const double *f = passage->f;
+    struct eng_motion *motion = &passage->motion;
+    struct eng_query query = {.kind = kind};
+    double slope;
+    memcpy(query.x[0], span->l->x, sizeof query.x[0]);
+    memcpy(query.x[1], span->r->x, sizeof query.x[1]);
+    eng_motion_init(motion, &query);
+    eng_motion_pose(motion, 0, &passage->pose[0]);
+    eng_motion_pose(motion, 1, &passage->pose[1]);
+    double across = eng_motion_planes(&passage->pose[0], &passage->pose[1], passage->f);
+    across = across * (1 + 8 * ENG_U) + 32 * ENG_U * motion->size_b * motion->size_c;
+    passage->reach = (span->eps * (1 + 4 * ENG_U) + ENG_TINY) * motion->scale;
+    passage->height = passage->reach * across * (1 + 8 * ENG_U) + 4 * motion->e_det;
+    const bool crosses = fabs(f[0]) > motion->e_det && fabs(f[3]) > motion->e_det &&
+                         (f[0] < 0) != (f[3] < 0);
+    passage->middle = crosses ? eng_bernstein_root(f, &slope) : -1;
+}
+
+/* Return the part of a span up to which a cubic is certainly positive, which is so at its
+ * begin; 1: throughout. It is not below the line from the first of its coefficients to
+ * that of the others to which it falls fastest, nor is what is left of it behind. */
+static double positive_until(double h[4])
+{
+    double until = 0;
+    for (int cut = 0; cut < CUTS && h[0] > 0; cut++) {
+        double part = 1;
+        for (int i = 1; i < 4; i++) {
+            if (h[i] < h[0]) {
+                part = eng_least(part, (i / 3.0) * (h[0] / (h[0] - h[i])));
+            }
+        }
+        until += (1 - until) * part;
+        if (part == 1) {
+            return 1;
+        }
+        for (int level = 3; level > 0; level--) {
+            for (int i = 0; i < level; i++) {
+                h[i] += part * (h[i + 1] - h[i]);
+            }
+        }
+    }
+    return until * (1 - 16 * ENG_U);
+}
+
+/* Return whether the planes across both features cross within both, as far as doubles can
+ * tell. */
+static bool cross_inside(enum pccd_kind kind, const struct eng_pose *pose)
+{
+    double n[3], m[3];
+    eng_cross(n, pose->b, pose->c);
+    const double nn = eng_dot(n, n);
+    eng_cross(m, pose->p, pose->c);
+    const double beta = eng_dot(m, n);
+    eng_cross(m, pose->b, pose->p);
+    const double gamma = eng_dot(m, n);
+    return beta > 0 && gamma > 0 &&
+           (kind == PCCD_VF ? beta + gamma < nn : beta < nn && gamma < nn);
+}
+
 enum look {
     LOOK_FREE,
     LOOK_NEAR,   /* the straight features come within r + eps */
@@ -218,9 +295,46 @@ enum look {
     LOOK_UNASKED /* nobody has asked */
 };
 
+/* Return whether they are thin, and have planes across both. */
+static bool has_planes(const struct decider *decider)
+{
+    const enum pccd_kind kind = decider->pair->kind;
+    return decider->is_thin && (kind == PCCD_VF || kind == PCCD_EE);
+}
+
+/* Tell of thin features in a span, by the planes across both. Where these meet before the
+ * end, the features do so too, or are apart there, mostly along one direction. */
+static enum look look_at_planes(struct decider *decider, const struct span *span,
+                                bool closely, double *until)
+{
+    struct passage *passage = &decider->passage;
+    struct eng_pose then;
+    double h[4];
+    set_passage(decider->pair->kind, span, passage);
+    for (int i = 0; i < 4; i++) {
+        h[i] = (passage->f[0] < 0 ? -passage->f[i] : passage->f[i]) - passage->height;
+    }
+    const double part = positive_until(h);
+    if (part == 1) {
+        return LOOK_FREE;
+    }
+    *until = time_before(span, part);
+    if (closely || part == 0 || passage->middle < 0) {
+        return LOOK_UNASKED;
+    }
+    eng_motion_pose(&passage->motion, passage->middle, &then);
+    if (cross_inside(decider->pair->kind, &then)) {
+        return LOOK_NEAR;
+    }
+    return eng_motion_separates(&passage->motion, &passage->pose[0], &passage->pose[1],
+                                &then, passage->reach)
+               ? LOOK_FREE
+               : LOOK_UNASKED;
+}
+
 /* Tell of a span; *until becomes the time up to which it is free. */
-static enum look look(const struct decider *decider, const struct span *span,
-                      bool closely, double *until)
+static enum look look(struct decider *decider, const struct span *span, bool closely,
+                      double *until)
 {
     const double r = (decider->at_most + span->eps) * (1 + 4 * ENG_U);
     const uint32_t kind = (uint32_t)decider->pair->kind;
@@ -237,6 +351,12 @@ static enum look look(const struct decider *decider, const struct span *span,
     if (!closely && is_much_bent(decider, span)) {
         return LOOK_UNASKED;
     }
+    if (has_planes(decider)) {
+        const enum look seen = look_at_planes(decider, span, closely, until);
+        if (seen != LOOK_UNASKED) {
+            return seen;
+        }
+    }
     if (decider->kernels->reject_thick((struct eng_quads){kind, span->points, whole}, 1,
                                        &r, left) == 0) {
         return LOOK_FREE;
@@ -245,7 +365,7 @@ static enum look look(const struct decider *decider, const struct span *span,
     if (told.now == ENG_ADVANCE_MISSES) {
         return LOOK_FREE;
     }
-    *until = time_before(span, told.until);
+    *until = eng_most(*until, time_before(span, told.until));
     return told.now == ENG_ADVANCE_UNDECIDED ? LOOK_UNSURE : LOOK_NEAR;
 }
 
@@ -274,75 +394,6 @@ static double prove_thick(const struct decider *decider, const struct span *span
     return INFINITY;
 }
 
-/* The motion of thin features in a span. */
-struct passage {
-    struct eng_motion motion;
-    struct eng_pose pose[2];
-    double f[4]; /* Bernstein coefficients of det[p, b, c] */
-};
-
-/* False: the sides of each other at its ends are not certain, or not different. */
-static bool set_passage(enum pccd_kind kind, const struct span *span,
-                        struct passage *passage)
-{
-    struct eng_query query = {.kind = kind};
-    memcpy(query.x[0], span->l->x, sizeof query.x[0]);
-    memcpy(query.x[1], span->r->x, sizeof query.x[1]);
-    eng_motion_init(&passage->motion, &query);
-    eng_motion_pose(&passage->motion, 0, &passage->pose[0]);
-    eng_motion_pose(&passage->motion, 1, &passage->pose[1]);
-    eng_motion_bernstein(&passage->pose[0], &passage->pose[1], passage->f);
-    const double *f = passage->f;
-    return fabs(f[0]) > passage->motion.e_det && fabs(f[3]) > passage->motion.e_det &&
-           (f[0] < 0) != (f[3] < 0);
-}
-
-/* Return whether the planes across both features are farther apart than that at a time,
- * and so the features. */
-static bool are_planes_apart(enum pccd_kind kind, const struct moment *moment, double r)
-{
-    struct eng_pose pose;
-    double n[3];
-    double terms = 0;
-    set_pose(kind, moment, &pose);
-    eng_cross(n, pose.b, pose.c);
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3;
-        int k = (i + 2) % 3;
-        terms +=
-            fabs(pose.p[i]) * (fabs(pose.b[j] * pose.c[k]) + fabs(pose.b[k] * pose.c[j]));
-    }
-    double size = eng_size(pose.b) * eng_size(pose.c);
-    double across = sqrt(eng_dot(n, n)) * (1 + 8 * ENG_U) + 32 * ENG_U * size;
-    return fabs(eng_dot(pose.p, n)) - 16 * ENG_U * terms >
-           r * across * (1 + 8 * ENG_U) + ENG_TINY;
-}
-
-/* Return whether no vertex of a feature comes within eps of an edge of the other, and
- * the features are farther apart than eps at both ends. */
-static bool is_rim_clear(const struct decider *decider, const struct span *span)
-{
-    static const uint32_t rims[2][4][4] = {
-        {{0, 1, 2, 2}, {0, 2, 3, 3}, {0, 3, 1, 1}},
-        {{0, 2, 3, 3}, {1, 2, 3, 3}, {2, 0, 1, 1}, {3, 0, 1, 1}}};
-    const enum pccd_kind kind = decider->pair->kind;
-    const bool is_vf = kind == PCCD_VF;
-    const uint32_t count = is_vf ? 3 : 4;
-    const double r = span->eps * (1 + 4 * ENG_U) + ENG_TINY;
-    struct eng_advance told[4];
-    if (!are_planes_apart(kind, span->l, r) || !are_planes_apart(kind, span->r, r)) {
-        return false;
-    }
-    advance(decider, (struct eng_quads){PCCD_VE, span->points, rims[!is_vf]}, count, r,
-            told);
-    for (uint32_t i = 0; i < count; i++) {
-        if (told[i].now != ENG_ADVANCE_MISSES) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Return whether thin features certainly meet in a window of time. */
 static bool proves(struct decider *decider, double from, double to)
 {
@@ -352,10 +403,14 @@ static bool proves(struct decider *decider, double from, double to)
     set_moment(decider, from, &decider->spare[0]);
     set_moment(decider, to, &decider->spare[1]);
     set_span(decider, &decider->spare[0], &decider->spare[1], &window);
-    if (!(window.eps <= SIZE_MOST) || !set_passage(kind, &window, &passage) ||
-        eng_motion_domain(&passage.motion, &passage.pose[0], &passage.pose[1]) !=
-            ENG_INSIDE ||
-        !is_rim_clear(decider, &window)) {
+    if (!(window.eps <= SIZE_MOST)) {
+        return false;
+    }
+    set_passage(kind, &window, &passage);
+    if (!(passage.middle >= 0 && fabs(passage.f[0]) > passage.height &&
+          fabs(passage.f[3]) > passage.height) ||
+        eng_motion_domain(&passage.motion, &passage.pose[0], &passage.pose[1],
+                          passage.reach) != ENG_INSIDE) {
         return false;
     }
     decider->side = passage.f[0];
@@ -386,12 +441,13 @@ static double prove_thin(struct decider *decider, const struct span *span, doubl
                          bool hard)
 {
     const double tolerance = decider->limits->tolerance;
-    struct passage passage;
+    struct passage *passage = &decider->passage;
     double middle = span->r->t; /* where neither this span nor the next one would tell */
-    if (set_passage(decider->pair->kind, span, &passage)) {
-        double slope;
-        middle = span->l->t +
-                 (span->r->t - span->l->t) * eng_bernstein_root(passage.f, &slope);
+    if (!decider->is_thin) {
+        set_passage(decider->pair->kind, span, passage);
+    }
+    if (passage->middle >= 0) {
+        middle = span->l->t + (span->r->t - span->l->t) * passage->middle;
     }
     if (hard) {
         return try_windows(decider, span, middle, 0.25 * span->length, WINDOWS);
