@@ -802,6 +802,20 @@ static inline f4 sqrt4(f4 x)
 #endif
 }
 
+/* Return vectors of unit length; zeros of those that are almost that. */
+static inline struct vectors unit4(const struct vectors *v)
+{
+    struct vectors n;
+    f4 square = dot4(v, v);
+    eng_i4 is_known = square > all4(SQUARE_LEAST);
+    f4 inverse = all4(1) / sqrt4(eng_max4(square, all4(SQUARE_LEAST)));
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        n.x[k] = (f4)((eng_i4)(v->x[k] * inverse) & is_known);
+    }
+    return n;
+}
+
 /* Return unit vectors across two of unit size, about; zeros where these are almost
  * parallel. */
 static inline struct vectors across4(const struct vectors *u, const struct vectors *v)
@@ -813,14 +827,7 @@ static inline struct vectors across4(const struct vectors *u, const struct vecto
         int j = (k + 2) % 3;
         n.x[k] = u->x[i] * v->x[j] - u->x[j] * v->x[i];
     }
-    f4 square = dot4(&n, &n);
-    eng_i4 is_known = square > all4(SQUARE_LEAST);
-    f4 inverse = all4(1) / sqrt4(eng_max4(square, all4(SQUARE_LEAST)));
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; k++) {
-        n.x[k] = (f4)((eng_i4)(n.x[k] * inverse) & is_known);
-    }
-    return n;
+    return unit4(&n);
 }
 
 /* Two leaves in a span, at both ends of it, by corners. */
@@ -905,6 +912,21 @@ static uint32_t apart_along(const f4 a[2], const f4 b[2], f4 margin)
     return apart;
 }
 
+/* Return those of the pairs that are not apart along an axis, the same in all lanes. */
+static inline uint32_t near_along(const struct corners *corners,
+                                  const struct shapes *shapes, const struct vectors *n,
+                                  uint32_t pairs)
+{
+    const f4 a[2] = {dot4(n, &shapes->a[0]), dot4(n, &shapes->a[1])};
+    const f4 b[2] = {dot4(n, &shapes->b[0]), dot4(n, &shapes->b[1])};
+    return pairs & ~apart_along(a, b, margin_along(corners, n));
+}
+
+static inline struct vectors all_of(const struct vectors *v, int i)
+{
+    return (struct vectors){{all4(v->x[0][i]), all4(v->x[1][i]), all4(v->x[2][i])}};
+}
+
 /* Return those of the pairs that are not apart across either leaf. */
 static uint32_t near_across(const struct corners *corners, const struct shapes *shapes,
                             uint32_t pairs)
@@ -912,10 +934,8 @@ static uint32_t near_across(const struct corners *corners, const struct shapes *
     for (int side = 0; side < 2 && pairs != 0; side++) {
         struct vectors next = next_of(&shapes->edge[side]);
         struct vectors n = across4(&shapes->edge[side], &next);
-        n = (struct vectors){{all4(n.x[0][0]), all4(n.x[1][0]), all4(n.x[2][0])}};
-        const f4 a[2] = {dot4(&n, &shapes->a[0]), dot4(&n, &shapes->a[1])};
-        const f4 b[2] = {dot4(&n, &shapes->b[0]), dot4(&n, &shapes->b[1])};
-        pairs &= ~apart_along(a, b, margin_along(corners, &n));
+        n = all_of(&n, 0);
+        pairs = near_along(corners, shapes, &n, pairs);
     }
     return pairs;
 }
@@ -930,11 +950,8 @@ static uint32_t near_beside(const struct corners *corners, const struct shapes *
         struct vectors n = across4(&shapes->edge[side], &next);
         struct vectors aside = across4(&n, &shapes->edge[side]);
         for (int k = 0; k < 3 && pairs != 0; k++) {
-            n = (struct vectors){{all4(aside.x[0][k]), all4(aside.x[1][k]),
-                                  all4(aside.x[2][k])}};
-            const f4 a[2] = {dot4(&n, &shapes->a[0]), dot4(&n, &shapes->a[1])};
-            const f4 b[2] = {dot4(&n, &shapes->b[0]), dot4(&n, &shapes->b[1])};
-            pairs &= ~apart_along(a, b, margin_along(corners, &n));
+            n = all_of(&aside, k);
+            pairs = near_along(corners, shapes, &n, pairs);
         }
     }
     return pairs;
@@ -998,10 +1015,10 @@ static uint32_t near_in(struct eng_sweep *sweep, const struct leaves *leaves,
     set_shapes(leaves, &corners, &shapes);
     pairs = near_across(&corners, &shapes, pairs);
     if (closely) {
-        pairs = near_across_edges(&corners, &shapes, pairs);
         pairs = is_face(leaves->face[0]) && is_face(leaves->face[1])
                     ? near_beside(&corners, &shapes, pairs)
                     : near_by_axes(&corners, &shapes, pairs);
+        pairs = near_across_edges(&corners, &shapes, pairs);
     }
     return pairs;
 }
@@ -1145,6 +1162,27 @@ static struct vectors normals_of(const struct vectors x[2][3], float scale)
     return across4(&edge[0], &edge[1]);
 }
 
+/* Return unit vectors from the middles of some leaves to those of others, or zeros. */
+static struct vectors ways_between(const struct four *four, float scale)
+{
+    struct vectors way;
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        f4 from = all4(0);
+        f4 to = all4(0);
+#pragma GCC unroll 2
+        for (int end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; i++) {
+                from += four->a[end][i].x[k];
+                to += four->b[end][i].x[k];
+            }
+        }
+        way.x[k] = (to - from) * all4(scale);
+    }
+    return unit4(&way);
+}
+
 static unsigned four_apart(const struct four *four, const struct vectors *n, f4 margin)
 {
     f4 above = all4(INFINITY);
@@ -1167,7 +1205,8 @@ static unsigned four_apart(const struct four *four, const struct vectors *n, f4 
 }
 
 /* Take from the children that may meet a leaf in spans the leaves that are apart from it
- * across either of the two; returns those that are left in any span. */
+ * along the way between both, or across either; returns those that are left in any of
+ * the spans. */
 static unsigned near_leaves(struct eng_sweep *sweep, const struct item *a,
                             const struct item *b, uint32_t first, uint32_t end)
 {
@@ -1204,6 +1243,8 @@ static unsigned near_leaves(struct eng_sweep *sweep, const struct item *a,
             corners.margin = margin_of(sweep, frame);
             set_bow_of(frame, b, &corners);
             place_four(frame, stands, &leaves, &placed);
+            struct vectors way = ways_between(&placed, 1 / a->size);
+            near &= others | ~four_apart(&placed, &way, margin_along(&corners, &way));
             for (int side = 0; side < 2 && (near & ~others) != 0; side++) {
                 float size = side == 0 ? a->size : b->size;
                 struct vectors n =
