@@ -117,43 +117,6 @@ int cli_record_add(struct pccd_client *client, enum record_kind kind,
     return status == 0 ? 0 : cli_record_stop_failed(client, status);
 }
 
-int cli_record_tuning(struct pccd_client *client, const char *text)
-{
-    struct record_tuning tuning = {.text = ""};
-    const struct record_part part = {&tuning, sizeof tuning};
-    size_t bytes = strnlen(text, sizeof tuning.text - 1);
-
-    memcpy(tuning.text, text, bytes);
-    return bytes > 0 ? cli_record_add(client, RECORD_TUNING, &part, 1) : 0;
-}
-
-int cli_record_separation(struct pccd_client *client, double separation, double approach)
-{
-    const struct record_separation at = {separation, approach};
-    const struct record_part part = {&at, sizeof at};
-
-    return separation != 0.0 || approach != 0.0
-               ? cli_record_add(client, RECORD_SEPARATION, &part, 1)
-               : 0;
-}
-
-int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching)
-{
-    const struct record_tells now = {(tells ? RECORD_TELLS_START : 0) + 2 * touching};
-    const struct record_part part = {&now, sizeof now};
-
-    return now.tells != 0 ? cli_record_add(client, RECORD_TELLS, &part, 1) : 0;
-}
-
-int cli_record_turning(struct pccd_client *client, bool turns, double resolution)
-{
-    const struct record_turning now = {.resolution = resolution};
-    const struct record_part part = {&now, sizeof now};
-
-    return turns || resolution != 0.0 ? cli_record_add(client, RECORD_TURNING, &part, 1)
-                                      : 0;
-}
-
 bool cli_record_is_on(const struct pccd_client *client)
 {
     return client->recorder != NULL && !client->recorder->has_ended &&

@@ -37,18 +37,6 @@ bool cli_record_is_on(const struct pccd_client *client);
 int cli_record_add(struct pccd_client *client, enum record_kind kind,
                    const struct record_part *parts, size_t count);
 
-/* Append how the threads share the step that is appended next; "": the daemon decides,
- * and nothing is appended. */
-int cli_record_tuning(struct pccd_client *client, const char *text);
-
-/* Append at which distance pairs meet in that step; zeros: nothing is appended. */
-int cli_record_separation(struct pccd_client *client, double separation, double approach);
-/* Append what that tells, too; zeros: nothing. */
-int cli_record_tells(struct pccd_client *client, bool tells, uint32_t touching);
-
-/* Append that bodies turn in it, or how near is possible; false and 0: nothing. */
-int cli_record_turning(struct pccd_client *client, bool turns, double resolution);
-
 /* End the recording because of `status`, which it returns, with a text that says
  * `why`. */
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why);

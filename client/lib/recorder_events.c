@@ -128,8 +128,7 @@ void cli_record_cancel(struct pccd_client *client, uint64_t step)
 }
 
 /* The page of an answer. */
-static void add_records(struct pccd_client *client, const struct cli_call *call,
-                        enum record_kind kind)
+static void add_records(struct pccd_client *client, const struct cli_call *call)
 {
     const struct proto_answer *answer = &call->answer;
     struct record_records head = {.step = answer->step,
@@ -151,10 +150,10 @@ static void add_records(struct pccd_client *client, const struct cli_call *call,
     }
     parts[1] = (struct record_part){cli_page_base(client, call->page) + answer->offset,
                                     answer->count * answer->record_bytes};
-    (void)cli_record_add(client, kind, parts, 2);
+    (void)cli_record_add(client, RECORD_RECORDS, parts, 2);
 }
 
-/* The times of either answer, as the file has them. */
+/* The times of an answer, as the file has them. */
 #define RECORD_TIMES_OF(r)                                                               \
     {                                                                                    \
         (r)->ns_queue, (r)->ns_ingest, (r)->ns_refit, (r)->ns_traversal, (r)->ns_tests,  \
@@ -170,32 +169,46 @@ static void add_records(struct pccd_client *client, const struct cli_call *call,
 static void add_answer(struct pccd_client *client, const struct cli_call *call)
 {
     const struct proto_answer *r = &call->answer;
-    struct record_answer answer = {.step = call->params.FRAME_SUBMIT.step,
+    bool is_near = call->method == PROTO_METHOD_SCENE_NEAR;
+    struct record_answer answer = {.step = is_near ? call->params.SCENE_NEAR.step
+                                                   : call->params.FRAME_SUBMIT.step,
+                                   .is_near = is_near,
                                    .status = call->status};
 
     if (call->status == 0) {
         answer = (struct record_answer){.step = r->step,
-                                        .mode = r->mode,
+                                        .is_near = is_near,
+                                        .mode = is_near ? 0 : r->mode,
+                                        .what = is_near ? r->what : 0,
                                         .method = r->method,
                                         .incomplete = r->incomplete,
                                         .verdict = r->verdict,
                                         .threads = r->threads,
                                         .total = r->total,
-                                        .vf = r->vf,
-                                        .ee = r->ee,
-                                        .possible = r->possible,
-                                        .initial = r->initial,
-                                        .toi_first = r->toi_first,
+                                        .possible = is_near ? 0 : r->possible,
+                                        .initial = is_near ? 0 : r->initial,
+                                        .toi_first = is_near ? 0 : r->toi_first,
+                                        .distance_min = is_near ? r->distance_min : 0,
+                                        .distance_max = is_near ? r->distance_max : 0,
+                                        .crossings = is_near ? r->crossings : 0,
                                         .hash = {r->hash_hi, r->hash_lo},
                                         .times = RECORD_TIMES_OF(r),
                                         .counters = RECORD_COUNTERS_OF(r)};
+#define PUT(unused, type, name, of_step, of_near, member, meaning)                       \
+    answer.member = r->name;
+        COMMON_KINDS(PUT, )
+#undef PUT
     }
-    cli_journal_answered(client, call->params.FRAME_SUBMIT.scene,
-                         call->params.FRAME_SUBMIT.step, r->number);
-    client->recorder->info.answers++;
+    if (is_near) {
+        cli_journal_note(client, call->params.SCENE_NEAR.scene);
+    } else {
+        cli_journal_answered(client, call->params.FRAME_SUBMIT.scene,
+                             call->params.FRAME_SUBMIT.step, r->number);
+        client->recorder->info.answers++;
+    }
     if (cli_record_add(client, RECORD_ANSWER,
                        &(struct record_part){&answer, sizeof answer}, 1) == 0) {
-        add_records(client, call, RECORD_RECORDS);
+        add_records(client, call);
     }
 }
 
@@ -223,8 +236,7 @@ static int add_scene_answer(struct pccd_client *client, const struct cli_call *c
         answer.verdict = scene->verdict;
         answer.threads = scene->threads;
         answer.total = scene->total;
-        answer.vf = scene->counts[PCCD_VF];
-        answer.ee = scene->counts[PCCD_EE];
+        memcpy(answer.counts, scene->counts, sizeof answer.counts);
         answer.possible = scene->possible;
         answer.initial = scene->initial;
         answer.toi_first = scene->toi_first;
@@ -254,38 +266,6 @@ static void add_batch_answer(struct pccd_client *client, const struct cli_call *
     for (uint32_t i = 0; status == 0 && i < asked->scenes; i++) {
         status = add_scene_answer(client, call, scenes != NULL ? &scenes[i] : &refused,
                                   asked->step + i);
-    }
-}
-
-static void add_near_answer(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_answer *r = &call->answer;
-    struct record_near_answer answer = {.step = call->params.SCENE_NEAR.step,
-                                        .status = call->status};
-
-    if (call->status == 0) {
-        answer = (struct record_near_answer){.step = r->step,
-                                             .what = r->what,
-                                             .method = r->method,
-                                             .incomplete = r->incomplete,
-                                             .verdict = r->verdict,
-                                             .threads = r->threads,
-                                             .total = r->total,
-                                             .distance_min = r->distance_min,
-                                             .distance_max = r->distance_max,
-                                             .crossings = r->crossings,
-                                             .hash = {r->hash_hi, r->hash_lo},
-                                             .times = RECORD_TIMES_OF(r),
-                                             .counters = RECORD_COUNTERS_OF(r)};
-#define PUT(unused, type, name, of_step, of_near, member, meaning)                       \
-    answer.member = r->name;
-        COMMON_KINDS(PUT, )
-#undef PUT
-    }
-    cli_journal_note(client, call->params.SCENE_NEAR.scene);
-    if (cli_record_add(client, RECORD_NEAR_ANSWER,
-                       &(struct record_part){&answer, sizeof answer}, 1) == 0) {
-        add_records(client, call, RECORD_NEAR_RECORDS);
     }
 }
 
@@ -319,19 +299,15 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
     }
     switch (call->method) {
     case PROTO_METHOD_FRAME_SUBMIT:
+    case PROTO_METHOD_SCENE_NEAR:
         add_answer(client, call);
         break;
     case PROTO_METHOD_FRAME_FETCH:
-        add_records(client, call, RECORD_RECORDS);
+    case PROTO_METHOD_NEAR_FETCH:
+        add_records(client, call);
         break;
     case PROTO_METHOD_BATCH_SUBMIT:
         add_batch_answer(client, call);
-        break;
-    case PROTO_METHOD_SCENE_NEAR:
-        add_near_answer(client, call);
-        break;
-    case PROTO_METHOD_NEAR_FETCH:
-        add_records(client, call, RECORD_NEAR_RECORDS);
         break;
     case PROTO_METHOD_SCENE_JOURNAL:
         cli_journal_take(client, call);

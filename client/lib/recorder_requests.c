@@ -78,91 +78,55 @@ int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t ob
 
 /* ---- movements --------------------------------------------------------------------- */
 
-/* Return whether any of so many segments, at the start of what a request moves, turns. */
-static bool has_turning(const struct record_part moved[2], uint32_t segments)
+static struct record_frame near_of(const struct proto_SCENE_NEAR_request *request)
 {
-    for (uint32_t i = 0; moved[0].at != NULL && i < segments; i++) {
-        struct proto_segment segment;
-
-        memcpy(&segment, (const uint8_t *)moved[0].at + i * sizeof segment,
-               sizeof segment);
-        if (segment.kind == PROTO_SEGMENT_TURNING) {
-            return true;
-        }
-    }
-    return false;
+    return (struct record_frame){.step = request->step,
+                                 .scene = request->scene,
+                                 .segment_count = request->segments,
+                                 .method = request->method,
+                                 .threads = request->threads,
+                                 .tells = request->tells_crossings,
+                                 .what = request->what,
+                                 .end = request->end,
+                                 .objects = {request->object_a, request->object_b},
+                                 .distance = request->distance,
+                                 .gap = request->gap,
+                                 .deadline_ns = request->deadline_ns};
 }
 
-/* Write what a request moves, behind `head`. */
-static int write_motion(struct pccd_client *client, enum record_kind kind,
-                        const char *tuning, struct record_part head,
-                        const struct record_part moved[2])
+static struct record_frame frame_of(const struct proto_FRAME_SUBMIT_request *request)
 {
-    const struct record_part parts[3] = {head, moved[0], moved[1]};
-    int status = cli_record_tuning(client, tuning);
-
-    return status != 0 ? status : cli_record_add(client, kind, parts, 3);
-}
-
-static int write_near(struct pccd_client *client,
-                      const struct proto_SCENE_NEAR_request *request,
-                      const struct record_part moved[2])
-{
-    const struct record_near near = {.step = request->step,
-                                     .scene = request->scene,
-                                     .segment_count = request->segments,
-                                     .what = request->what,
-                                     .end = request->end,
-                                     .method = request->method,
-                                     .threads = request->threads,
-                                     .objects = {request->object_a, request->object_b},
-                                     .distance = request->distance,
-                                     .gap = request->gap,
-                                     .deadline_ns = request->deadline_ns};
-    int status = cli_record_tells(client, request->tells_crossings, 0);
-
-    status = status != 0
-                 ? status
-                 : cli_record_turning(client, has_turning(moved, request->segments), 0);
-    return status != 0 ? status
-                       : write_motion(client, RECORD_NEAR, request->tuning,
-                                      (struct record_part){&near, sizeof near}, moved);
-}
-
-static int write_frame(struct pccd_client *client,
-                       const struct proto_FRAME_SUBMIT_request *request,
-                       const struct record_part moved[2])
-{
-    const struct record_frame frame = {.step = request->step,
-                                       .scene = request->scene,
-                                       .segment_count = request->segments,
-                                       .mode = request->mode,
-                                       .method = request->method,
-                                       .threads = request->threads,
-                                       .tolerance = request->tolerance,
-                                       .deadline_ns = request->deadline_ns};
-    enum record_kind kind = request->step != 0 ? RECORD_FRAME : RECORD_MOVE;
-    int status = cli_record_separation(client, request->separation, request->approach);
-
-    client->recorder->segment_frames += kind == RECORD_FRAME;
-    status = status != 0
-                 ? status
-                 : cli_record_tells(client, request->tells_start, request->touching);
-    status = status != 0
-                 ? status
-                 : cli_record_turning(client, has_turning(moved, request->segments),
-                                      request->resolution);
-    return status != 0 ? status
-                       : write_motion(client, kind, request->tuning,
-                                      (struct record_part){&frame, sizeof frame}, moved);
+    return (struct record_frame){.step = request->step,
+                                 .scene = request->scene,
+                                 .segment_count = request->segments,
+                                 .method = request->method,
+                                 .threads = request->threads,
+                                 .tells = request->tells_start,
+                                 .mode = request->mode,
+                                 .touching = request->touching,
+                                 .tolerance = request->tolerance,
+                                 .separation = request->separation,
+                                 .approach = request->approach,
+                                 .resolution = request->resolution,
+                                 .deadline_ns = request->deadline_ns};
 }
 
 int cli_record_motion(struct pccd_client *client, int method,
                       const union cli_params *params, const struct record_part moved[2])
 {
-    return method == PROTO_METHOD_SCENE_NEAR
-               ? write_near(client, &params->SCENE_NEAR, moved)
-               : write_frame(client, &params->FRAME_SUBMIT, moved);
+    bool is_near = method == PROTO_METHOD_SCENE_NEAR;
+    const char *tuning =
+        is_near ? params->SCENE_NEAR.tuning : params->FRAME_SUBMIT.tuning;
+    struct record_frame frame =
+        is_near ? near_of(&params->SCENE_NEAR) : frame_of(&params->FRAME_SUBMIT);
+    enum record_kind kind = is_near           ? RECORD_NEAR
+                            : frame.step != 0 ? RECORD_FRAME
+                                              : RECORD_MOVE;
+    const struct record_part parts[3] = {{&frame, sizeof frame}, moved[0], moved[1]};
+
+    memcpy(frame.tuning, tuning, strnlen(tuning, sizeof frame.tuning - 1));
+    client->recorder->segment_frames += kind == RECORD_FRAME;
+    return cli_record_add(client, kind, parts, 3);
 }
 
 /* ---- what was made, set or destroyed ----------------------------------------------- */

@@ -19,7 +19,7 @@
  * |---|---|
  * | BEGIN | nothing |
  * | MESH | vertices (padded to 8), triangles: made, or replaced if it is known |
- * | SCENE, OBJECT, *_GONE, CANCEL, LOG, TELLS, TURNING, CLEARANCE, END | nothing |
+ * | SCENE, OBJECT, *_GONE, CANCEL, LOG, CLEARANCE, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
  * | ANSWER | nothing |
@@ -28,10 +28,7 @@
  * | PAIRS | uint32_t[2] each: handles of two objects |
  * | GUEST | vertices (double), triangles: added, or given another shape if it is there |
  * | MOVE | as FRAME; it has no number, and no answer |
- * | TUNING | nothing. Who does not know it takes the daemon's default: the same answer |
  * | NEAR | as FRAME, if anything moves; else nothing |
- * | NEAR_ANSWER | nothing |
- * | NEAR_RECORDS | records of an answer to NEAR, if these were to be recorded |
  * | NAME | UTF-8; empty: no name any more. Who does not know it shows none |
  */
 #ifndef RECORD_FORMAT_H
@@ -66,15 +63,9 @@
     X(PAIRS, 16, "pairs of objects that ignore each other, or not any more")             \
     X(GUEST, 17, "an object of a shared scene, with a shape of its own")                 \
     X(MOVE, 18, "another client has moved a shared scene on")                            \
-    X(TUNING, 19, "how threads are to share the work of the next FRAME, MOVE or NEAR")   \
     X(NEAR, 20, "it was asked what is near, after a movement or without")                \
-    X(NEAR_ANSWER, 21, "that was answered")                                              \
-    X(NEAR_RECORDS, 22, "records of that answer")                                        \
-    X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")          \
     X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
     X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
-    X(TELLS, 26, "what the next FRAME, MOVE or NEAR tells, too")                         \
-    X(TURNING, 27, "something turns in the next FRAME, MOVE or NEAR, or is possible")    \
     X(CLEARANCE, 28, "two objects have a clearance in the place of their radii")         \
     X(NAME, 29, "what an object is called")
 enum record_kind {

@@ -19,19 +19,13 @@ static_assert(sizeof(struct record_mesh) == 16, "mesh");
 static_assert(sizeof(struct record_scene) == 8, "scene");
 static_assert(sizeof(struct record_object) == 16, "object");
 static_assert(sizeof(struct record_place) == 16, "place");
-static_assert(sizeof(struct record_frame) == 48, "frame");
-static_assert(sizeof(struct record_tuning) == 64, "tuning");
-static_assert(sizeof(struct record_separation) == 16, "separation");
-static_assert(sizeof(struct record_tells) == 8, "tells");
-static_assert(sizeof(struct record_turning) == 8, "turning");
+static_assert(sizeof(struct record_frame) == 176, "frame");
 static_assert(sizeof(struct record_joints) == 8, "joints");
 static_assert(sizeof(struct record_radii) == 8, "radii");
 static_assert(sizeof(struct record_free) == 16, "edges and points");
 static_assert(sizeof(struct record_segment) == 32, "segment");
-static_assert(sizeof(struct record_answer) == 280, "answer");
+static_assert(sizeof(struct record_answer) == 360, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
-static_assert(sizeof(struct record_near) == 64, "near");
-static_assert(sizeof(struct record_near_answer) == 328, "near answer");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(offsetof(struct record_filter, words) == RECORD_FILTER_BYTES, "filter");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
@@ -237,15 +231,20 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
     return PCCD_OK;
 }
 
-static int judge_motion(const void *payload, uint64_t bytes, bool is_numbered,
-                        char text[RECORD_TEXT_BYTES])
+/* Check a FRAME, MOVE or NEAR. */
+static int judge_asked(const void *payload, uint64_t bytes, bool is_numbered,
+                       char text[RECORD_TEXT_BYTES])
 {
     const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
     struct record_frame frame;
 
     memcpy(&frame, payload, sizeof frame);
-    if ((frame.step != 0) != is_numbered || frame.mode >= PCCD_MODE_COUNT) {
-        return bad(text, "a frame without a number, or of unknown mode");
+    if ((frame.step != 0) != is_numbered || frame.mode >= PCCD_MODE_COUNT ||
+        frame.what >= PCCD_NEAR_COUNT || frame.end > 1) {
+        return bad(text, "a frame or question without a number, or unknown");
+    }
+    if (memchr(frame.tuning, '\0', sizeof frame.tuning) == NULL) {
+        return bad(text, "a tuning without an end");
     }
     return judge_segments(slot, bytes - sizeof frame, frame.segment_count, frame.step,
                           text);
@@ -253,51 +252,26 @@ static int judge_motion(const void *payload, uint64_t bytes, bool is_numbered,
 
 static int judge_frame(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
-    return judge_motion(payload, bytes, true, text);
+    return judge_asked(payload, bytes, true, text);
 }
 
 static int judge_move(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
-    return judge_motion(payload, bytes, false, text);
-}
-
-static int judge_near(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
-{
-    const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_near);
-    struct record_near near;
-
-    memcpy(&near, payload, sizeof near);
-    if (near.step == 0 || near.what >= PCCD_NEAR_COUNT || near.end > 1) {
-        return bad(text, "a question about what is near without a number, or unknown");
-    }
-    return judge_segments(slot, bytes - sizeof near, near.segment_count, near.step, text);
-}
-
-/* Return whether that is all records of so many bytes, one size or the other. */
-static bool are_whole(const void *payload, uint64_t bytes, size_t one, size_t other)
-{
-    struct record_records records;
-    uint64_t rest = bytes - sizeof records;
-
-    memcpy(&records, payload, sizeof records);
-    return (records.record_bytes == one || records.record_bytes == other) &&
-           records.count == rest / records.record_bytes &&
-           records.count * records.record_bytes == rest;
-}
-
-static int judge_near_records(const void *payload, uint64_t bytes,
-                              char text[RECORD_TEXT_BYTES])
-{
-    return are_whole(payload, bytes, sizeof(struct pccd_near), sizeof(double))
-               ? PCCD_OK
-               : bad(text, "records of what is near of another length");
+    return judge_asked(payload, bytes, false, text);
 }
 
 static int judge_records(const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES])
 {
-    return are_whole(payload, bytes, sizeof(struct pccd_contact),
-                     sizeof(struct pccd_pair))
+    struct record_records head;
+    uint64_t rest = bytes - sizeof head;
+
+    memcpy(&head, payload, sizeof head);
+    bool is_known = head.record_bytes == sizeof(struct pccd_contact) ||
+                    head.record_bytes == sizeof(struct pccd_pair) ||
+                    head.record_bytes == sizeof(double);
+    return is_known && head.count == rest / head.record_bytes &&
+                   head.count * head.record_bytes == rest
                ? PCCD_OK
                : bad(text, "records of another length");
 }
@@ -424,12 +398,6 @@ static int judge_name(const void *payload, uint64_t bytes, char text[RECORD_TEXT
                : bad(text, "a name of another length");
 }
 
-static int judge_tuning(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
-{
-    return memchr(payload, '\0', bytes) != NULL ? PCCD_OK
-                                                : bad(text, "a tuning without an end");
-}
-
 /* Forms of payloads, by kind. */
 static const struct form {
     uint64_t head_bytes; /* of the struct that they begin with */
@@ -442,13 +410,8 @@ static const struct form {
     [RECORD_SCENE] = WHOLE(scene, judge_scene),
     [RECORD_OBJECT] = WHOLE(object, judge_object),
     [RECORD_LOG] = WHOLE(log),
-    [RECORD_TUNING] = WHOLE(tuning, judge_tuning),
-    [RECORD_SEPARATION] = WHOLE(separation),
-    [RECORD_TELLS] = WHOLE(tells),
-    [RECORD_TURNING] = WHOLE(turning),
     [RECORD_CLEARANCE] = WHOLE(clearance, judge_clearance),
     [RECORD_ANSWER] = WHOLE(answer),
-    [RECORD_NEAR_ANSWER] = WHOLE(near_answer),
     [RECORD_CANCEL] = WHOLE(cancel),
     [RECORD_SCENE_GONE] = WHOLE(gone),
     [RECORD_MESH_GONE] = WHOLE(gone),
@@ -462,8 +425,7 @@ static const struct form {
     [RECORD_FREE] = HEAD(free),
     [RECORD_GUEST] = HEAD(guest),
     [RECORD_RECORDS] = HEAD(records),
-    [RECORD_NEAR] = HEAD(near),
-    [RECORD_NEAR_RECORDS] = {sizeof(struct record_records), false, judge_near_records},
+    [RECORD_NEAR] = HEAD(frame),
     [RECORD_PAIRS] = HEAD(pairs),
     [RECORD_NAME] = HEAD(name),
     [RECORD_FILTER] = {RECORD_FILTER_BYTES, false, judge_filter},
@@ -489,7 +451,7 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
         struct record_free free;
         struct record_pairs pairs;
         struct record_name name;
-        struct record_records records; /* of what is near, too */
+        struct record_records records;
     } is;
 
     memcpy(&is, head, form_of(kind).head_bytes);
@@ -514,19 +476,6 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
                    ? 0
                    : is.records.count % RECORD_BYTES_MAX * is.records.record_bytes;
     }
-}
-
-static uint64_t segment_count_of(uint16_t kind, const void *head)
-{
-    struct record_frame frame;
-    struct record_near near;
-
-    if (kind == RECORD_NEAR) {
-        memcpy(&near, head, sizeof near);
-        return near.segment_count;
-    }
-    memcpy(&frame, head, sizeof frame);
-    return frame.segment_count;
 }
 
 /* Both ends of each of `count` segments. The table may have had room for more than there
@@ -554,6 +503,7 @@ uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
 {
     const struct form form = form_of(kind);
     const uint64_t head = form.head_bytes;
+    struct record_frame frame;
     uint64_t count;
 
     *wants = have;
@@ -573,7 +523,8 @@ uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
     if (kind != RECORD_FRAME && kind != RECORD_MOVE && kind != RECORD_NEAR) {
         return head + counted_bytes(kind, begin);
     }
-    count = segment_count_of(kind, begin);
+    memcpy(&frame, begin, sizeof frame);
+    count = frame.segment_count;
     if (count > PROTO_SEGMENTS_MAX) {
         return 0;
     }

@@ -56,29 +56,6 @@ struct record_place {
 struct record_log {
     uint64_t next_step;
 };
-struct record_tuning {
-    char text[PCCD_TUNING_BYTES]; /* with its NUL, filled up with zeros */
-};
-
-struct record_separation { /* as frame.submit has them; before none of it both are 0 */
-    double separation;
-    double approach;
-};
-
-struct record_tells {
-    uint64_t tells; /* enum record_telling */
-};
-enum record_telling {
-    RECORD_TELLS_START = 1,    /* tells_start of frame.submit, tells_crossings of
-                                * scene.near */
-    RECORD_TELLS_TOUCHING = 6, /* of frame.submit: twice its `touching` */
-    RECORD_TELLS_ALL = 7
-};
-
-struct record_turning {
-    double resolution; /* as frame.submit has it; of what is near 0 */
-};
-
 struct record_radii { /* and a double for each vertex */
     uint32_t vertex_count;
     uint32_t reserved;
@@ -91,16 +68,25 @@ struct record_free { /* and u32[2] an edge, u32 a point */
     uint32_t reserved;
 };
 
+/* A step, or of NEAR a question about what is near, as it was asked; they are numbered
+ * together, and a CANCEL names either. What the other one alone has is 0. */
 struct record_frame {
     uint64_t step; /* MOVE: 0 */
     uint32_t scene;
-    uint32_t segment_count;
-    uint32_t mode;
+    uint32_t segment_count; /* 0: nothing moves */
     uint32_t method;
     uint32_t threads;
+    uint32_t tells;      /* 0, 1: how the step begins; of a question what crosses */
+    uint32_t mode;       /* of a step, enum pccd_mode */
+    uint32_t touching;   /* of a step, enum pccd_touching */
+    uint32_t what;       /* of a question, enum pccd_near_what */
+    uint32_t end;        /* of a question, 0, 1: of the movement, or of the last one */
+    uint32_t objects[2]; /* of a question: handles; 0: any */
     uint32_t reserved;
-    double tolerance;
+    double tolerance, separation, approach, resolution; /* of a step */
+    double distance, gap;                               /* of a question */
     uint64_t deadline_ns;
+    char tuning[PCCD_TUNING_BYTES]; /* with its NUL, filled up with zeros */
 };
 
 /* A segment of a FRAME, as in the slot. */
@@ -130,26 +116,31 @@ struct record_joints {
 #define RECORD_TIMES    10u /* in the order of struct pccd_step_times */
 #define RECORD_COUNTERS 13u /* in the order of struct pccd_step_counters */
 
+/* An answer to a step or a question; what the other one alone has is 0. */
 struct record_answer {
     uint64_t step;
-    int32_t status; /* enum pccd_status; else than 0: the rest is 0 */
-    uint32_t mode;
+    int32_t status;   /* enum pccd_status; else than 0: the rest is 0, but is_near */
+    uint32_t is_near; /* 0, 1: to a question */
+    uint32_t mode;    /* of a step */
+    uint32_t what;    /* of a question */
     uint32_t method;
     uint32_t incomplete;
     uint32_t verdict;
     uint32_t threads;
     uint64_t total;
-    uint64_t vf;
-    uint64_t ee;
-    uint64_t possible;
+    uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
+    uint64_t possible;               /* of a step, as the next two */
     uint64_t initial;
     double toi_first;
-    uint64_t hash[2];
+    double distance_min; /* of a question, as the next two */
+    double distance_max;
+    uint64_t crossings;
+    uint64_t hash[2]; /* zeros: with a gap there is none */
     uint64_t times[RECORD_TIMES];
     uint64_t counters[RECORD_COUNTERS];
 };
 
-/* The head of RECORDS and NEAR_RECORDS. */
+/* The head of RECORDS. */
 struct record_records {
     uint64_t step;
     uint64_t first;
@@ -157,39 +148,6 @@ struct record_records {
     uint32_t record_bytes; /* 64: struct pccd_contact, 20: struct pccd_pair; of what is
                               near 64: struct pccd_near, 8: double, a vertex's bound */
     uint32_t reserved;
-};
-
-/* Numbered with the steps; a CANCEL names either. */
-struct record_near {
-    uint64_t step;
-    uint32_t scene;
-    uint32_t segment_count; /* 0: nothing moves */
-    uint32_t what;          /* enum pccd_near_what */
-    uint32_t end;           /* 0, 1: of the movement, or of the scene's last one */
-    uint32_t method;
-    uint32_t threads;
-    uint32_t objects[2]; /* handles; 0: any */
-    double distance;
-    double gap;
-    uint64_t deadline_ns;
-};
-
-struct record_near_answer {
-    uint64_t step;
-    int32_t status; /* enum pccd_status; else than 0: the rest is 0 */
-    uint32_t what;
-    uint32_t method;
-    uint32_t incomplete;
-    uint32_t verdict;
-    uint32_t threads;
-    uint64_t total;
-    uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
-    double distance_min;
-    double distance_max;
-    uint64_t crossings;
-    uint64_t hash[2]; /* zeros: with a gap there is none */
-    uint64_t times[RECORD_TIMES];
-    uint64_t counters[RECORD_COUNTERS];
 };
 
 struct record_gone {

@@ -629,9 +629,10 @@ static void make_record_seeds(void)
     const struct record_name name = {.scene = 5, .object = 9, .bytes = 6};
     const struct record_gone gone = {5, 1, 9, 0};
     const struct record_answer answer = {.step = 1};
-    const struct record_near near = {
+    const struct record_frame near = {
         .step = 2, .scene = 5, .segment_count = 1, .end = 1, .distance = 0.5};
-    const struct record_near_answer told = {.step = 2, .total = 1, .counts = {1}};
+    const struct record_answer told = {
+        .step = 2, .is_near = 1, .total = 1, .counts = {1}};
     const struct record_records records = {
         .step = 2, .count = 1, .record_bytes = sizeof(struct pccd_near)};
     const struct pccd_near record = {.object_a = 9, .object_b = 9, .count = 1};
@@ -651,13 +652,12 @@ static void make_record_seeds(void)
     } frame = {{.step = 1, .scene = 5, .segment_count = 1},
                {9, RECORD_X1, PCCD_FORMAT_F32, 1, 3, 0, 32},
                {1}};
-    const struct record_turning turning = {.resolution = 0.5};
     struct {
         struct record_frame head;
         struct record_segment segment;
         struct record_joints table;
         struct pccd_joint joint;
-    } turn = {.head = {.step = 1, .scene = 5, .segment_count = 1},
+    } turn = {.head = {.step = 1, .scene = 5, .segment_count = 1, .resolution = 0.5},
               .segment = {9, RECORD_ON_JOINT, PCCD_FORMAT_F64, 0, 4, 32, 0},
               .table = {.count = 1},
               .joint = {.kind = PCCD_JOINT_TURN,
@@ -680,12 +680,11 @@ static void make_record_seeds(void)
     frame.segment =
         (struct record_segment){9, RECORD_RIGID, PCCD_FORMAT_F64, 0, 4, 32, 128};
     put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
-    put_chunk(RECORD_TURNING, &turning, sizeof turning, "", 0);
     put_chunk(RECORD_FRAME, &turn.head, sizeof turn.head, &turn.segment, 176);
     put_chunk(RECORD_ANSWER, &answer, sizeof answer, "", 0);
     put_chunk(RECORD_NEAR, &near, sizeof near, &frame.segment, 224);
-    put_chunk(RECORD_NEAR_ANSWER, &told, sizeof told, "", 0);
-    put_chunk(RECORD_NEAR_RECORDS, &records, sizeof records, &record, sizeof record);
+    put_chunk(RECORD_ANSWER, &told, sizeof told, "", 0);
+    put_chunk(RECORD_RECORDS, &records, sizeof records, &record, sizeof record);
     put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
     put_chunk(RECORD_MESH_GONE, &gone, sizeof gone, "", 0);
     put_chunk(RECORD_OBJECT_GONE, &gone, sizeof gone, "", 0);

@@ -44,14 +44,9 @@ static int follow(struct registry *state, struct recorded_item *item,
                   const struct record_view *view)
 {
     struct ctl_error error = {.text = ""};
-    int status;
 
-    if (!recorded_item_take(item, view)) {
-        return recorded_state_follow(state, view, &error);
-    }
-    status = recorded_state_move(state, item, &error);
-    *item = (struct recorded_item){.number = 0};
-    return status;
+    return recorded_item_take(item, view) ? recorded_state_move(state, item, &error)
+                                          : recorded_state_follow(state, view, &error);
 }
 
 /* The sum of all positions: memory that is not there would be noticed. */
@@ -80,7 +75,7 @@ void fuzz_record(const uint8_t *data, size_t bytes)
     struct record_reader reader;
     struct record_view view;
     struct registry state = {.meshes = NULL};
-    struct recorded_item item = {.number = 0};
+    struct recorded_item item = {.slot = NULL};
     bool is_raw = fuzz_take_u8(&input) % 2 == 1;
     size_t file_bytes = input.left;
     volatile double sum = 0;

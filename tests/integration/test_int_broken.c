@@ -190,7 +190,7 @@ CASE(broken__lengths_are_told)
         {RECORD_FILTER, 1, offsetof(struct record_filter, words) + 4 * 8, -1,
          .says = "a thickness that cannot be one"},
     };
-    struct breaking near = {RECORD_NEAR, 1, offsetof(struct record_near, distance), NAN,
+    struct breaking near = {RECORD_NEAR, 1, offsetof(struct record_frame, distance), NAN,
                             .says = ""};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_told(&cases[i]);

@@ -156,10 +156,10 @@ static void settle(struct record_answer *answer, const struct pccd_contact *cont
     record_hash_2(contacts, count, sizeof *contacts, answer->hash);
     answer->total = count;
     answer->toi_first = 2;
-    answer->vf = answer->ee = answer->initial = 0;
+    answer->initial = 0;
+    memset(answer->counts, 0, sizeof answer->counts);
     for (uint64_t i = 0; i < count; i++) {
-        answer->vf += contacts[i].kind == PCCD_VF;
-        answer->ee += contacts[i].kind == PCCD_EE;
+        answer->counts[contacts[i].kind]++;
         answer->initial += (contacts[i].flags & PCCD_INITIAL) != 0;
         if (contacts[i].toi < answer->toi_first) {
             answer->toi_first = contacts[i].toi;

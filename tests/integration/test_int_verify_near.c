@@ -144,7 +144,7 @@ enum forgery {
 };
 
 /* Return whether the question is one that a forgery needs. */
-static bool is_about(enum forgery forgery, const struct record_near *asked)
+static bool is_about(enum forgery forgery, const struct record_frame *asked)
 {
     switch (forgery) {
     case FORGE_NEAREST:
@@ -193,7 +193,7 @@ static bool forge_records(enum forgery forgery, uint8_t *payload)
 
 static bool forge_answer(enum forgery forgery, uint8_t *payload)
 {
-    struct record_near_answer answer;
+    struct record_answer answer;
     memcpy(&answer, payload, sizeof answer);
     if (forgery == FORGE_MISSING) {
         answer.total--;
@@ -213,7 +213,7 @@ static bool forge_answer(enum forgery forgery, uint8_t *payload)
 /* The needle's tip goes higher, and not through the floor. */
 static bool forge_motion(uint8_t *payload)
 {
-    struct record_near near;
+    struct record_frame near;
     struct record_segment segment;
     const double up = 2;
     memcpy(&near, payload, sizeof near);
@@ -229,7 +229,7 @@ static bool forge_motion(uint8_t *payload)
  * records. */
 struct forger {
     enum forgery forgery;
-    struct record_near asked; /* the last question, which the next answer is to */
+    struct record_frame asked; /* the last question, which the next answer is to */
     bool is_done, is_short;
 };
 
@@ -238,8 +238,8 @@ static bool forge_chunk(void *context, struct forge_chunk *chunk)
     struct forger *forger = context;
     const enum forgery forgery = forger->forgery;
 
-    if (chunk->kind == RECORD_NEAR_RECORDS && forger->is_done &&
-        forgery == FORGE_MISSING && !forger->is_short) {
+    if (chunk->kind == RECORD_RECORDS && forger->is_done && forgery == FORGE_MISSING &&
+        !forger->is_short) {
         struct record_records head;
         memcpy(&head, chunk->payload, sizeof head);
         head.count--;
@@ -252,8 +252,8 @@ static bool forge_chunk(void *context, struct forge_chunk *chunk)
     }
     if (!forger->is_done && is_about(forgery, &forger->asked)) {
         forger->is_done =
-            chunk->kind == RECORD_NEAR_RECORDS  ? forge_records(forgery, chunk->payload)
-            : chunk->kind == RECORD_NEAR_ANSWER ? forge_answer(forgery, chunk->payload)
+            chunk->kind == RECORD_RECORDS  ? forge_records(forgery, chunk->payload)
+            : chunk->kind == RECORD_ANSWER ? forge_answer(forgery, chunk->payload)
             : chunk->kind == RECORD_NEAR && forgery == FORGE_MOTION
                 ? forge_motion(chunk->payload)
                 : false;

@@ -19,6 +19,7 @@ struct fall {
     struct registry_scene scene;
     struct pccd_answer answer;
     struct pccd_contact contact;
+    struct record_frame frame;
     struct play_step step;
 };
 
@@ -42,6 +43,7 @@ static void fall_begin(struct fall *fall, uint64_t number)
                     .normal = {0, -1, 0}},
         .step = {.number = number,
                  .scene = &fall->scene,
+                 .frame = &fall->frame,
                  .answer = &fall->answer,
                  .contacts = &fall->contact,
                  .found = {.count = 1}}};

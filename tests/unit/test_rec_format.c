@@ -382,7 +382,7 @@ CASE(chunks__take_no_more_memory_than_they_count)
     const struct record_frame frame = {.step = 1, .scene = 1, .segment_count = 2};
     const struct record_name name = {.scene = 1, .object = 1, .bytes = 8};
     const struct record_frame many = {.step = 1, .scene = 1, .segment_count = 65537};
-    const struct record_near near = {.step = 1, .scene = 1, .segment_count = 1};
+    const struct record_frame near = {.step = 1, .scene = 1, .segment_count = 1};
     const struct {
         uint16_t kind;
         const void *head;
@@ -394,7 +394,7 @@ CASE(chunks__take_no_more_memory_than_they_count)
                    {RECORD_FREE, &free_, sizeof free_},
                    {RECORD_NAME, &name, sizeof name},
                    {RECORD_RECORDS, &records, sizeof records},
-                   {RECORD_NEAR_RECORDS, &nears, sizeof nears},
+                   {RECORD_RECORDS, &nears, sizeof nears},
                    {RECORD_FRAME, &frame, sizeof frame},
                    {RECORD_FRAME, &many, sizeof many},
                    {RECORD_MOVE, &frame, sizeof frame},
@@ -476,7 +476,7 @@ CASE(payloads__have_handles_and_coordinates)
 CASE(payloads__of_what_is_near_are_judged)
 {
     struct {
-        struct record_near head;
+        struct record_frame head;
         struct record_segment segment;
         double x[4][3];
     } near = {{.step = 1, .segment_count = 1, .what = PCCD_NEAR_DEPTH, .end = 1},
@@ -487,47 +487,34 @@ CASE(payloads__of_what_is_near_are_judged)
         struct pccd_near records[2];
     } records = {{.step = 1, .count = 2, .record_bytes = sizeof(struct pccd_near)},
                  {{0}}};
-    const struct record_near_answer answer = {.step = 1};
     const size_t count = offsetof(struct record_records, count);
     const size_t each = offsetof(struct record_records, record_bytes);
-    const size_t what = offsetof(struct record_near, what);
-    const size_t end = offsetof(struct record_near, end);
-    const size_t segments = offsetof(struct record_near, segment_count);
+    const size_t what = offsetof(struct record_frame, what);
+    const size_t end = offsetof(struct record_frame, end);
+    const size_t segments = offsetof(struct record_frame, segment_count);
 
     assert_int_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 0), 0);
     assert_ok(judge_with(RECORD_NEAR, &near.head, sizeof near.head, segments, 0));
+    memset(near.head.tuning, 'x', sizeof near.head.tuning - 1); /* has an end .. */
+    assert_ok(judge_with(RECORD_NEAR, &near, sizeof near, end, 0));
+    assert_int_not_equal(
+        judge_with(RECORD_NEAR, &near, sizeof near, sizeof near.head - 4, 0x78787878),
+        0); /* and none */
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, 0, 0), 0);
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, what, 6), 0);
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 2), 0);
     assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, segments, 5), 0);
     assert_int_not_equal(
         judge_with(RECORD_NEAR, &near, sizeof near, sizeof near.head + 12, 5), 0);
-    assert_int_equal(judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, 0, 1), 0);
-    assert_int_not_equal(
-        judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, count, 1), 0);
-    assert_int_not_equal(
-        judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 0), 0);
-    assert_int_not_equal(
-        judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 128), 0);
+    assert_int_equal(judge_with(RECORD_RECORDS, &records, sizeof records, 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_RECORDS, &records, sizeof records, count, 1),
+                         0);
+    assert_int_not_equal(judge_with(RECORD_RECORDS, &records, sizeof records, each, 0),
+                         0);
+    assert_int_not_equal(judge_with(RECORD_RECORDS, &records, sizeof records, each, 128),
+                         0);
     records.head.count = 16; /* bounds of vertices */
-    assert_ok(judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 8));
-    assert_int_equal(judge_with(RECORD_NEAR_ANSWER, &answer, sizeof answer, 0, 1), 0);
-    assert_int_not_equal(judge_with(RECORD_NEAR_ANSWER, &answer, sizeof answer - 8, 0, 1),
-                         0);
-}
-
-/* If this failed, a reader would look for the end of a text beyond it. */
-CASE(tunings__have_an_end)
-{
-    const uint32_t word = 0x78787878; /* as it is */
-    struct record_tuning tuning;
-
-    memset(&tuning, 'x', sizeof tuning);
-    assert_int_not_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning, 0, word), 0);
-    tuning.text[sizeof tuning.text - 1] = '\0';
-    assert_int_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning, 0, word), 0);
-    assert_int_not_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning - 4, 0, word),
-                         0);
+    assert_ok(judge_with(RECORD_RECORDS, &records, sizeof records, each, 8));
 }
 
 /* If this failed, an object would be repeated with other attributes than it had, or with

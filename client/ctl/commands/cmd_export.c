@@ -208,8 +208,8 @@ static bool list_step(const struct record_answer *answer, json_t *steps)
 static bool is_listed(const struct play_settings *play,
                       const struct record_answer *answer)
 {
-    return answer->status == PCCD_OK && answer->step >= play->first &&
-           (play->last == 0 || answer->step <= play->last);
+    return answer->is_near == 0 && answer->status == PCCD_OK &&
+           answer->step >= play->first && (play->last == 0 || answer->step <= play->last);
 }
 
 /* Up to where the file is damaged, as it would be played. */

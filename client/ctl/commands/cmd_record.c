@@ -290,7 +290,7 @@ static bool report(const char *path, const struct record_command *command)
     if (status == PCCD_OK) {
         status = answers_read(&answers, &reader, &error);
     }
-    size_t answered = answers.count + answers.near_count;
+    size_t answered = answers.count;
     char questions[64] = "";
     if (answers.questions > 0) {
         (void)snprintf(questions, sizeof questions, "%" PRIu64 " %s about what is near, ",

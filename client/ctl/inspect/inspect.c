@@ -122,41 +122,21 @@ static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
     return object;
 }
 
-/* "same", "other", or "none": there is nothing to compare. Of what was recorded, and of a
- * daemon's answer. */
-static const char *compare(int32_t then_status, uint32_t then_incomplete,
-                           const uint64_t then_hash[2], const struct pccd_answer *now,
-                           const uint64_t hash[2])
-{
-    if (then_status == PCCD_OK && (!play_is_complete(then_incomplete) ||
-                                   !play_is_complete((uint32_t)now->incomplete))) {
-        return "none";
-    }
-    bool is_same =
-        then_status == now->status &&
-        (then_status != PCCD_OK || memcmp(then_hash, hash, 2 * sizeof *hash) == 0);
-    return is_same ? "same" : "other";
-}
-
-/* With a gap any pair will do. */
-static const char *compare_near(const struct play_step *near)
-{
-    const struct record_near_answer *then = near->recorded_near;
-    return then == NULL || play_has_gap(near->asked)
-               ? "none"
-               : compare(then->status, then->incomplete, then->hash, near->answer,
-                         near->answer->hash);
-}
-
+/* Return "same", "other", or "none": there is nothing to compare; with a gap any pair
+ * will do. */
 static const char *compare_step(const struct play_step *step)
 {
     const struct record_answer *then = step->recorded;
-    if (step->asked != NULL) {
-        return compare_near(step);
+    const struct pccd_answer *now = step->answer;
+    if (then == NULL || (step->asked != NULL && play_has_gap(step->asked)) ||
+        (then->status == PCCD_OK && (!play_is_complete(then->incomplete) ||
+                                     !play_is_complete((uint32_t)now->incomplete)))) {
+        return "none";
     }
-    return then == NULL ? "none"
-                        : compare(then->status, then->incomplete, then->hash,
-                                  step->answer, step->answer->hash);
+    bool is_same = then->status == now->status &&
+                   (then->status != PCCD_OK ||
+                    memcmp(then->hash, now->hash, sizeof then->hash) == 0);
+    return is_same ? "same" : "other";
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
@@ -193,12 +173,12 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set_count(object, "scene", step->scene->handle, &ok);
     set_name(object, "recorded", compared, &ok);
     set(object, "answer", answer_of(step->answer, &ok), &ok);
-    set(object, "tells_start", json_boolean(step->tells_start), &ok);
+    set(object, "tells_start", json_boolean(step->frame->tells), &ok);
     set(object, "objects",
         inspect_pack_objects(inspect, step->scene, INSPECT_BOTH, meshes), &ok);
     set(object, "joints", inspect_pack_joints(inspect, &step->joints), &ok);
-    set(object, "separation", json_real(step->separation.separation), &ok);
-    set(object, "approach", json_real(step->separation.approach), &ok);
+    set(object, "separation", json_real(step->frame->separation), &ok);
+    set(object, "approach", json_real(step->frame->approach), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);
     set(object, "boxes", inspect_pack_boxes(inspect, step), &ok);
     set(object, "events", inspect_pack_events(inspect, step->trace), &ok);
@@ -305,7 +285,7 @@ static json_t *describe_near(struct inspect *inspect, const struct play_step *ne
                   near->asked->distance <= 1e18 ? json_real(near->asked->distance)
                                                 : json_null(),
                   "crossings",
-                  near->tells_crossings || !common_near_has_distance(near->asked->what)),
+                  near->asked->tells || !common_near_has_distance(near->asked->what)),
         &ok);
     set(object, "boxes", json_object(), &ok);
     set(object, "events", json_null(), &ok);

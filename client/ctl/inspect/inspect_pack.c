@@ -445,7 +445,7 @@ static void pack_ends(const struct inspect *inspect, const double ends[2][3],
 static uint64_t pack_bounds(const struct inspect *inspect, const struct play_step *near,
                             struct inspect_line *to)
 {
-    const struct record_near *asked = near->asked;
+    const struct record_frame *asked = near->asked;
     uint64_t packed = 0, at = 0;
     for (uint32_t i = 0; i < near->scene->object_count && i <= UINT16_MAX; i++) {
         const struct registry_object *object = &near->scene->objects[i];

@@ -21,7 +21,7 @@ static int no_memory(struct ctl_error *error)
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what was answered");
 }
 
-/* Both kinds of answers begin with the number of their step. */
+/* Compare answers, or numbers: they begin with the number of their step. */
 static int compare_steps(const void *a, const void *b)
 {
     uint64_t x, y;
@@ -73,15 +73,15 @@ static uint64_t sum_moves(uint32_t scene, uint32_t count, const uint8_t *slot)
 
 static bool take_asked(struct answers *answers, const struct record_view *view)
 {
-    struct recorded_item item = {.number = 0};
+    struct recorded_item item;
     (void)recorded_item_take(&item, view);
     const struct answers_asked asked = {
-        .step = item.number,
-        .moves = sum_moves(item.scene, item.segment_count, item.slot),
+        .step = item.frame.step,
+        .moves = sum_moves(item.frame.scene, item.frame.segment_count, item.slot),
         .is_near = item.is_near};
     answers->frames += !item.is_near;
     answers->questions += item.is_near;
-    answers->last_step = item.number;
+    answers->last_step = item.frame.step;
     return append((void **)&answers->asked, &answers->asked_count, &answers->asked_room,
                   &asked, sizeof asked);
 }
@@ -98,11 +98,7 @@ static bool take(struct answers *answers, const struct record_view *view)
     case RECORD_ANSWER:
         return append((void **)&answers->items, &answers->count, &answers->room,
                       view->payload, sizeof *answers->items);
-    case RECORD_NEAR_ANSWER:
-        return append((void **)&answers->nears, &answers->near_count, &answers->near_room,
-                      view->payload, sizeof *answers->nears);
     case RECORD_RECORDS:
-    case RECORD_NEAR_RECORDS:
         return take_page(answers, view);
     default:
         return true;
@@ -121,9 +117,7 @@ int answers_read(struct answers *answers, struct record_reader *reader,
                  struct ctl_error *error)
 {
     const uint32_t kinds = 1u << RECORD_BEGIN | 1u << RECORD_FRAME | 1u << RECORD_ANSWER |
-                           1u << RECORD_RECORDS | 1u << RECORD_NEAR |
-                           1u << RECORD_NEAR_ANSWER | 1u << RECORD_NEAR_RECORDS |
-                           1u << RECORD_END;
+                           1u << RECORD_RECORDS | 1u << RECORD_NEAR | 1u << RECORD_END;
     struct record_view view;
     int got;
     while ((got = record_reader_skim(reader, kinds, &view)) == 1) {
@@ -133,7 +127,6 @@ int answers_read(struct answers *answers, struct record_reader *reader,
         }
     }
     sort(answers->items, answers->count, sizeof *answers->items, compare_steps);
-    sort(answers->nears, answers->near_count, sizeof *answers->nears, compare_steps);
     sort(answers->pages, answers->page_count, sizeof *answers->pages, compare_pages);
     return got == 0 ? PCCD_OK : ctl_error_set(error, got, "%s", reader->text);
 }
@@ -142,7 +135,6 @@ void answers_deinit(struct answers *answers)
 {
     free(answers->asked);
     free(answers->items);
-    free(answers->nears);
     free(answers->pages);
     free(answers->numbers);
     memset(answers, 0, sizeof *answers);
@@ -154,27 +146,12 @@ static const void *find(const void *items, size_t count, size_t bytes, uint64_t 
     return count == 0 ? NULL : bsearch(&number, items, count, bytes, compare_steps);
 }
 
-const struct record_answer *answers_find(const struct answers *answers, uint64_t step)
+const struct record_answer *answers_find(const struct answers *answers, bool is_near,
+                                         uint64_t step)
 {
-    return find(answers->items, answers->count, sizeof *answers->items, step);
-}
-
-const struct record_near_answer *answers_find_near(const struct answers *answers,
-                                                   uint64_t step)
-{
-    return find(answers->nears, answers->near_count, sizeof *answers->nears, step);
-}
-
-bool answers_status(const struct answers *answers, bool is_near, uint64_t step,
-                    int32_t *status)
-{
-    const struct record_answer *answer = is_near ? NULL : answers_find(answers, step);
-    const struct record_near_answer *near =
-        is_near ? answers_find_near(answers, step) : NULL;
-    if (answer != NULL || near != NULL) {
-        *status = answer != NULL ? answer->status : near->status;
-    }
-    return answer != NULL || near != NULL;
+    const struct record_answer *answer =
+        find(answers->items, answers->count, sizeof *answers->items, step);
+    return answer != NULL && (answer->is_near != 0) == is_near ? answer : NULL;
 }
 
 /* The first page of a step, or where it would be. */
@@ -201,7 +178,7 @@ static int take_records(struct record_reader *reader, const struct answers_page 
     struct record_records head;
     record_reader_seek(reader, page->offset);
     int got = record_reader_next(reader, &view);
-    if (got != 1 || (view.kind != RECORD_RECORDS && view.kind != RECORD_NEAR_RECORDS)) {
+    if (got != 1 || view.kind != RECORD_RECORDS) {
         return ctl_error_set(error, PCCD_E_FORMAT, "at byte %" PRIu64 ": %s",
                              page->offset, got < 0 ? reader->text : "no records");
     }
@@ -237,16 +214,14 @@ static int take_records(struct record_reader *reader, const struct answers_page 
 int answers_records(const struct answers *answers, struct record_reader *reader,
                     uint64_t step, struct answers_found *found, struct ctl_error *error)
 {
-    const struct record_answer *answer = answers_find(answers, step);
-    const struct record_near_answer *near = answers_find_near(answers, step);
-    uint64_t total = answer != NULL ? answer->total : near != NULL ? near->total : 0;
-    size_t each = sizeof(struct pccd_contact);
-    if (answer != NULL && answer->mode == PCCD_MODE_PAIRS) {
-        each = sizeof(struct pccd_pair);
-    } else if (near != NULL) {
-        each =
-            near->what == PCCD_NEAR_VERTICES ? sizeof(double) : sizeof(struct pccd_near);
-    }
+    const struct record_answer *answer =
+        find(answers->items, answers->count, sizeof *answers->items, step);
+    size_t each = answer == NULL                       ? sizeof(struct pccd_contact)
+                  : answer->is_near == 0               ? answer->mode == PCCD_MODE_PAIRS
+                                                             ? sizeof(struct pccd_pair)
+                                                             : sizeof(struct pccd_contact)
+                                : answer->what == PCCD_NEAR_VERTICES ? sizeof(double)
+                                                       : sizeof(struct pccd_near);
     int status = PCCD_OK;
     found->count = found->first_count = 0;
     found->is_torn = false;
@@ -262,7 +237,7 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
             status = take_records(reader, page, each, found, error);
         }
     }
-    found->is_whole = (answer != NULL || near != NULL) && found->count == total;
+    found->is_whole = answer != NULL && found->count == answer->total;
     return status;
 }
 
@@ -289,17 +264,13 @@ uint64_t answers_stray(struct answers *answers, uint64_t after)
         sort(answers->numbers, answers->asked_count, sizeof *answers->numbers,
              compare_steps);
     }
-#define LOOK(items, item_count)                                                          \
-    for (size_t i = 0; i < (item_count); i++) {                                          \
-        uint64_t step = (items)[i].step;                                                 \
-        bool is_twice = i > 0 && (items)[i - 1].step == step;                            \
-        if (step > after && step < least && (is_twice || !was_asked(answers, step))) {   \
-            least = step;                                                                \
-        }                                                                                \
+    for (size_t i = 0; i < answers->count; i++) {
+        uint64_t step = answers->items[i].step;
+        bool is_twice = i > 0 && answers->items[i - 1].step == step;
+        if (step > after && step < least && (is_twice || !was_asked(answers, step))) {
+            least = step;
+        }
     }
-    LOOK(answers->items, answers->count)
-    LOOK(answers->nears, answers->near_count)
-#undef LOOK
     for (size_t i = 0; i < answers->page_count; i++) {
         uint64_t step = answers->pages[i].step;
         if (step > after && step < least && !was_asked(answers, step)) {

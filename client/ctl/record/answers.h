@@ -25,9 +25,7 @@ struct answers {
     uint64_t sum;      /* of all that was read: of two recordings it is not the same */
     struct record_answer *items; /* by step */
     size_t count, room;
-    struct record_near_answer *nears; /* by step */
-    size_t near_count, near_room;
-    struct answers_page *pages; /* by step and first; of steps and of what is near */
+    struct answers_page *pages; /* by step and first */
     size_t page_count, page_room;
     uint64_t frames;
     uint64_t questions; /* about what is near */
@@ -41,13 +39,8 @@ int answers_read(struct answers *answers, struct record_reader *reader,
 void answers_deinit(struct answers *answers);
 /* Return the answer to a step, or to a question about what is near. NULL: it was not
  * answered. */
-const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
-const struct record_near_answer *answers_find_near(const struct answers *answers,
-                                                   uint64_t step);
-/* Return whether a step, or a question about what is near, was answered, and set *status
- * to its status; if it was not, *status is as before. */
-bool answers_status(const struct answers *answers, bool is_near, uint64_t step,
-                    int32_t *status);
+const struct record_answer *answers_find(const struct answers *answers, bool is_near,
+                                         uint64_t step);
 /* Records of the answer to a step or a question, from the first one on. */
 struct answers_found {
     void *records; /* grown by realloc, of `room` bytes */

@@ -55,7 +55,7 @@ bool play_is_complete(uint32_t incomplete)
     return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
 }
 
-bool play_has_gap(const struct record_near *asked)
+bool play_has_gap(const struct record_frame *asked)
 {
     return asked->what == PCCD_NEAR_NEAREST && asked->gap > 0;
 }
@@ -123,13 +123,13 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns,
     if (status != PCCD_OK) {
         return status;
     }
-    asked.deadline_ns = 0; /* would end it anywhere */
+    asked.frame.deadline_ns = 0; /* would end it anywhere */
     if (settings->method != PCCD_METHOD_DEFAULT) {
-        asked.method = settings->method;
-        asked.tuning[0] = '\0';
+        asked.frame.method = settings->method;
+        memset(asked.frame.tuning, 0, sizeof asked.frame.tuning);
     }
     if (settings->threads != 0) {
-        asked.threads = settings->threads;
+        asked.frame.threads = settings->threads;
     }
     if (settings->at_recorded_pace) {
         keep_pace(reader, then_ns);
@@ -160,8 +160,8 @@ static int ask_again(struct play_reader *reader, uint64_t then_ns,
 static int recall(struct play_reader *reader, bool is_answered,
                   struct answers_found *found, struct ctl_error *error)
 {
-    int status = answers_records(&reader->answers, &reader->pages, reader->item.number,
-                                 &reader->found, error);
+    int status = answers_records(&reader->answers, &reader->pages,
+                                 reader->item.frame.step, &reader->found, error);
     *found = reader->found;
     if (!is_answered || found->count == 0) {
         found->records = NULL;
@@ -193,34 +193,26 @@ static bool is_length(double length, double most)
 /* Return whether the lengths that an item asks with can be lengths. */
 static bool has_lengths(const struct recorded_item *item)
 {
-    const struct record_separation *apart = &item->separation;
-    const struct record_near *near = &item->near;
+    const struct record_frame *asked = &item->frame;
     if (!item->is_near) {
-        return is_length(apart->separation, PROTO_COORDINATE_MAX) &&
-               is_length(apart->approach, 1) && is_length(item->frame.tolerance, 1);
+        return is_length(asked->separation, PROTO_COORDINATE_MAX) &&
+               is_length(asked->approach, 1) && is_length(asked->tolerance, 1);
     }
-    double most = near->what == PCCD_NEAR_NEAREST ? INFINITY : PROTO_COORDINATE_MAX;
-    return (is_length(near->distance, most) || !common_near_has_distance(near->what)) &&
-           (is_length(near->gap, most) || near->what != PCCD_NEAR_NEAREST);
+    double most = asked->what == PCCD_NEAR_NEAREST ? INFINITY : PROTO_COORDINATE_MAX;
+    return (is_length(asked->distance, most) || !common_near_has_distance(asked->what)) &&
+           (is_length(asked->gap, most) || asked->what != PCCD_NEAR_NEAREST);
 }
 
 /* ---- showing ----------------------------------------------------------------------- */
 
 static void describe_step(const struct play_reader *reader, struct play_step *step)
 {
-    const struct recorded_item *item = &reader->item;
-    const struct record_answer *then = answers_find(&reader->answers, item->number);
+    const struct record_answer *then = step->recorded;
     const struct pccd_answer *answer = step->answer;
     uint32_t mode = answer != NULL ? (uint32_t)answer->mode
                     : then != NULL ? then->mode
                                    : 0;
-    step->frame = &item->frame;
-    step->separation = item->separation;
-    step->tells_start = item->tells;
-    step->touching = item->touching;
-    step->resolution = item->resolution;
     step->joints = reader->joints;
-    step->recorded = then;
     if (mode == PCCD_MODE_PAIRS) {
         step->pairs = step->found.records;
     } else {
@@ -234,15 +226,11 @@ static void describe_step(const struct play_reader *reader, struct play_step *st
 
 static void describe_near(const struct play_reader *reader, struct play_step *step)
 {
-    const struct recorded_item *item = &reader->item;
-    const struct record_near_answer *then =
-        answers_find_near(&reader->answers, item->number);
+    const struct record_answer *then = step->recorded;
     uint32_t what = step->answer != NULL ? (uint32_t)step->answer->what
                     : then != NULL       ? then->what
                                          : 0;
-    step->asked = &item->near;
-    step->tells_crossings = item->tells;
-    step->recorded_near = then;
+    step->asked = &reader->item.frame;
     if (what == PCCD_NEAR_VERTICES) {
         step->bounds = step->found.records;
     } else {
@@ -256,11 +244,14 @@ static int show_step(struct play_reader *reader, uint64_t then_ns,
 {
     const struct recorded_item *item = &reader->item;
     uint64_t told = item->is_near ? 0 : reader->settings.number;
-    struct play_step step = {.number = told != 0 ? told : item->number,
-                             .time_ns = then_ns,
-                             .scene = scene,
-                             .answer = answer,
-                             .found = *found};
+    struct play_step step = {
+        .number = told != 0 ? told : item->frame.step,
+        .time_ns = then_ns,
+        .scene = scene,
+        .answer = answer,
+        .found = *found,
+        .frame = &item->frame,
+        .recorded = answers_find(&reader->answers, item->is_near, item->frame.step)};
     if (item->is_near) {
         describe_near(reader, &step);
     } else if (recorded_joints_of(item, &reader->joints)) {
@@ -278,7 +269,7 @@ static bool is_wanted(const struct play_reader *reader)
 {
     return reader->settings.next != NULL
                ? reader->place == reader->next_place
-               : play_is_within(&reader->settings, reader->item.number);
+               : play_is_within(&reader->settings, reader->item.frame.step);
 }
 
 /* The state goes where the item has moved it to. is_seen: and so has the daemon. */
@@ -286,12 +277,12 @@ static int move_state(struct play_reader *reader, const struct record_view *view
                       bool is_seen, struct ctl_error *error)
 {
     const struct recorded_item *item = &reader->item;
-    if (item->is_near && item->segment_count == 0) {
+    if (item->is_near && item->frame.segment_count == 0) {
         return PCCD_OK;
     }
     int status = recorded_state_move(&reader->state, item, error);
     if (status == PCCD_OK && !is_seen) {
-        struct registry_scene *scene = registry_scene(&reader->state, item->scene);
+        struct registry_scene *scene = registry_scene(&reader->state, item->frame.scene);
         scene->is_placed = scene->has_begin = false;
     }
     return misfit(reader, view, status, error);
@@ -313,7 +304,8 @@ static int show_item(struct play_reader *reader, const struct record_view *view,
     }
     int now = answer != NULL ? answer->status : then;
     bool goes_by_now = reader->settings.next == NULL || !is_answered;
-    struct registry_scene *scene = registry_scene(&reader->state, reader->item.scene);
+    struct registry_scene *scene =
+        registry_scene(&reader->state, reader->item.frame.scene);
     if (scene != NULL && !goes_by_now && now != then) {
         scene->is_placed = scene->has_begin = false;
     }
@@ -334,22 +326,23 @@ static int follow_item(struct play_reader *reader, const struct record_view *vie
                        struct ctl_error *error)
 {
     const struct recorded_item *item = &reader->item;
-    int32_t then = PCCD_OK;
     if (view->kind == RECORD_MOVE) {
         return move_state(reader, view, false, error);
     }
-    bool is_answered =
-        answers_status(&reader->answers, item->is_near, item->number, &then);
+    const struct record_answer *answer =
+        answers_find(&reader->answers, item->is_near, item->frame.step);
+    bool is_answered = answer != NULL;
+    int32_t then = is_answered ? answer->status : PCCD_OK;
     reader->place++;
-    reader->last_step = item->number;
-    progress_update(&reader->progress, item->number);
+    reader->last_step = item->frame.step;
+    progress_update(&reader->progress, item->frame.step);
     const struct play_settings *settings = &reader->settings;
     bool shows = is_wanted(reader) && (!item->is_near || settings->shows_near);
     reader->wanted += shows;
     if (!is_repeatable(then)) { /* it had failed by chance */
         reader->summary->skipped++;
         if (settings->show_skipped != NULL && is_wanted(reader)) {
-            settings->show_skipped(reader->context, item->number, item->is_near);
+            settings->show_skipped(reader->context, item->frame.step, item->is_near);
         }
         return PCCD_OK;
     }
@@ -379,9 +372,9 @@ static bool goes_on(struct play_reader *reader)
  * failed. */
 static bool has_moved(const struct play_reader *reader, const struct answers_asked *asked)
 {
-    int32_t status = PCCD_OK;
-    (void)answers_status(&reader->answers, asked->is_near, asked->step, &status);
-    return status == PCCD_OK;
+    const struct record_answer *answer =
+        answers_find(&reader->answers, asked->is_near, asked->step);
+    return answer == NULL || answer->status == PCCD_OK;
 }
 
 /* Return whether the item that comes need not be read: others compute it and the two that
@@ -412,7 +405,7 @@ static int next_chunk(struct play_reader *reader, struct record_view *view)
             return record_reader_next(chunks, view);
         }
         reader->place++;
-        reader->item = (struct recorded_item){.number = 0};
+        reader->item = (struct recorded_item){.slot = NULL};
     }
     return got;
 }
@@ -433,11 +426,11 @@ static int follow(struct play_reader *reader, struct ctl_error *error)
                 replayer_follow(&reader->replayer, &reader->state, &view, error), error);
             continue;
         }
-        if (last != 0 && reader->item.number > last) {
+        if (last != 0 && reader->item.frame.step > last) {
             return PCCD_OK;
         }
         status = follow_item(reader, &view, error);
-        reader->item = (struct recorded_item){.number = 0};
+        reader->item = (struct recorded_item){.slot = NULL};
         if (status == PCCD_OK && !goes_on(reader)) {
             return PCCD_OK;
         }
@@ -448,12 +441,13 @@ static int follow(struct play_reader *reader, struct ctl_error *error)
 /* ---- from the beginning to the end ------------------------------------------------- */
 
 /* The first answered question about what is near in the range; NULL: there is none. */
-static const struct record_near_answer *find_question(const struct play_reader *reader)
+static const struct record_answer *find_question(const struct play_reader *reader)
 {
     const struct answers *answers = &reader->answers;
-    for (size_t i = 0; i < answers->near_count; i++) {
-        if (play_is_within(&reader->settings, answers->nears[i].step)) {
-            return &answers->nears[i];
+    for (size_t i = 0; i < answers->count; i++) {
+        const struct record_answer *answer = &answers->items[i];
+        if (answer->is_near != 0 && play_is_within(&reader->settings, answer->step)) {
+            return answer;
         }
     }
     return NULL;
@@ -467,7 +461,7 @@ static int judge_range(const struct play_reader *reader, struct ctl_error *error
     if (reader->wanted > 0 || !is_range) {
         return PCCD_OK;
     }
-    const struct record_near_answer *question = find_question(reader);
+    const struct record_answer *question = find_question(reader);
     return question != NULL
                ? ctl_error_set(error, PCCD_E_INVAL,
                                "%s: number %" PRIu64
@@ -487,13 +481,11 @@ static void choose_last(struct play_reader *reader)
 {
     struct play_settings *settings = &reader->settings;
     const struct answers *answers = &reader->answers;
-    bool is_near = settings->shows_near;
-    for (size_t i = is_near ? answers->near_count : answers->count; i > 0; i--) {
-        uint64_t step = is_near ? answers->nears[i - 1].step : answers->items[i - 1].step;
-        int32_t status =
-            is_near ? answers->nears[i - 1].status : answers->items[i - 1].status;
-        if (status == PCCD_OK && play_is_within(settings, step)) {
-            settings->first = settings->last = step;
+    for (size_t i = answers->count; i > 0; i--) {
+        const struct record_answer *answer = &answers->items[i - 1];
+        if ((answer->is_near != 0) == settings->shows_near && answer->status == PCCD_OK &&
+            play_is_within(settings, answer->step)) {
+            settings->first = settings->last = answer->step;
             return;
         }
     }

@@ -44,22 +44,16 @@ struct play_step {
     const struct pccd_answer *answer;   /* the daemon's, numbers only; NULL: not asked */
     /* Records: a daemon's, or those that were recorded; NULL: none, or not asked for. */
     struct answers_found found;
+    const struct record_frame *frame;     /* as it was asked */
+    const struct record_answer *recorded; /* NULL: there was none */
     /* A question. */
-    const struct record_near *asked;                /* NULL: it is a step */
-    const struct record_near_answer *recorded_near; /* NULL: there was none */
-    bool tells_crossings;                           /* they were asked for, too */
-    const struct pccd_near *nears;                  /* found.records; NULL of VERTICES */
+    const struct record_frame *asked; /* the frame; NULL: it is a step */
+    const struct pccd_near *nears;    /* found.records; NULL of VERTICES */
     const double *bounds; /* found.records; NULL of any other question */
     /* A step. */
-    const struct record_frame *frame;
-    struct record_separation separation;
-    bool tells_start;              /* it was asked how it begins */
-    uint32_t touching;             /* enum pccd_touching */
-    double resolution;             /* of bodies that turn; 0: the default */
     struct recorded_joints joints; /* on which they turn (registry_object: turned) */
-    const struct record_answer *recorded; /* NULL: there was none */
-    const struct pccd_contact *contacts;  /* found.records; NULL in mode pairs */
-    const struct pccd_pair *pairs;        /* found.records; NULL in any other mode */
+    const struct pccd_contact *contacts; /* found.records; NULL in mode pairs */
+    const struct pccd_pair *pairs;       /* found.records; NULL in any other mode */
     struct pccd_client
         *client; /* the daemon's, this being its last step; NULL: not asked */
     const struct step_trace *trace; /* what its threads did; NULL: not asked for */
@@ -136,7 +130,7 @@ bool play_is_within(const struct play_settings *settings, uint64_t step);
 
 /* Return whether any pair that is near enough is a right answer, so that there is no
  * hash. */
-bool play_has_gap(const struct record_near *asked);
+bool play_has_gap(const struct record_frame *asked);
 
 /* Return whether nothing ended an answer before it was done: only such answers must be
  * equal. */

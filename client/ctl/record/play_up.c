@@ -10,9 +10,7 @@
 #define UP_PART  0.25
 #define UP_ELSE  2u /* y */
 /* Kinds that say nothing of motion. */
-#define UNREAD                                                                           \
-    (1u << RECORD_ANSWER | 1u << RECORD_RECORDS | 1u << RECORD_NEAR_ANSWER |             \
-     1u << RECORD_NEAR_RECORDS)
+#define UNREAD (1u << RECORD_ANSWER | 1u << RECORD_RECORDS)
 
 struct falling {
     double moved[3]; /* mean motion of each object's vertices, over all steps; .. */
@@ -41,7 +39,7 @@ static uint32_t read_motion(const struct play_settings *settings, struct falling
     struct record_reader reader;
     struct record_view view;
     struct registry state = {.meshes = NULL};
-    struct recorded_item item = {.number = 0};
+    struct recorded_item item;
     struct ctl_error error;
     uint32_t up = 0;
     int status = record_reader_open(&reader, settings->from != NULL ? settings->from
@@ -54,9 +52,8 @@ static uint32_t read_motion(const struct play_settings *settings, struct falling
             up = begin.flags >> RECORD_UP_SHIFT & RECORD_UP_MASK;
         } else if (recorded_item_take(&item, &view)) {
             if (!item.is_near && recorded_state_move(&state, &item, &error) == PCCD_OK) {
-                add_step(falling, registry_scene(&state, item.scene));
+                add_step(falling, registry_scene(&state, item.frame.scene));
             }
-            memset(&item, 0, sizeof item);
         } else {
             status = recorded_state_follow(&state, &view, &error);
         }

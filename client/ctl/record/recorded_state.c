@@ -500,48 +500,14 @@ int recorded_state_follow(struct registry *state, const struct record_view *view
 
 bool recorded_item_take(struct recorded_item *item, const struct record_view *view)
 {
-    struct record_tells tells;
-    switch (view->kind) {
-    case RECORD_TUNING:
-        memcpy(item->tuning, view->payload, sizeof item->tuning);
-        return false;
-    case RECORD_TELLS:
-        memcpy(&tells, view->payload, sizeof tells);
-        item->tells = (tells.tells & RECORD_TELLS_START) != 0;
-        item->touching = (uint32_t)(tells.tells & RECORD_TELLS_TOUCHING) / 2;
-        return false;
-    case RECORD_TURNING:
-        memcpy(&item->resolution, view->payload, sizeof item->resolution);
-        return false;
-    case RECORD_SEPARATION:
-        memcpy(&item->separation, view->payload, sizeof item->separation);
-        return false;
-    case RECORD_FRAME:
-    case RECORD_MOVE:
-        memcpy(&item->frame, view->payload, sizeof item->frame);
-        item->is_near = false;
-        item->slot = (const uint8_t *)view->payload + sizeof item->frame;
-        item->number = item->frame.step;
-        item->scene = item->frame.scene;
-        item->segment_count = item->frame.segment_count;
-        item->method = item->frame.method;
-        item->threads = item->frame.threads;
-        item->deadline_ns = item->frame.deadline_ns;
-        return true;
-    case RECORD_NEAR:
-        memcpy(&item->near, view->payload, sizeof item->near);
-        item->is_near = true;
-        item->slot = (const uint8_t *)view->payload + sizeof item->near;
-        item->number = item->near.step;
-        item->scene = item->near.scene;
-        item->segment_count = item->near.segment_count;
-        item->method = item->near.method;
-        item->threads = item->near.threads;
-        item->deadline_ns = item->near.deadline_ns;
-        return true;
-    default:
+    if (view->kind != RECORD_FRAME && view->kind != RECORD_MOVE &&
+        view->kind != RECORD_NEAR) {
         return false;
     }
+    memcpy(&item->frame, view->payload, sizeof item->frame);
+    item->is_near = view->kind == RECORD_NEAR;
+    item->slot = (const uint8_t *)view->payload + sizeof item->frame;
+    return true;
 }
 
 bool recorded_joints_take(struct recorded_joints *joints, const uint8_t *slot,
@@ -575,7 +541,7 @@ bool recorded_joints_of(const struct recorded_item *item, struct recorded_joints
 {
     bool fits = true;
     recorded_joints_deinit(joints);
-    for (uint32_t i = 0; i < item->segment_count && fits; i++) {
+    for (uint32_t i = 0; i < item->frame.segment_count && fits; i++) {
         struct record_segment segment;
         uint32_t index = 0;
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
@@ -620,7 +586,8 @@ static int judge_segment(const struct registry *state, const struct recorded_ite
 {
     struct registry_scene *scene;
     struct registry_object *object;
-    int status = find_object(state, item->scene, segment->object, &scene, &object, error);
+    int status =
+        find_object(state, item->frame.scene, segment->object, &scene, &object, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -631,7 +598,7 @@ static int judge_segment(const struct registry *state, const struct recorded_ite
         return ctl_error_set(error, PCCD_E_FORMAT,
                              "step %" PRIu64 " moves vertices that object 0x%" PRIx32
                              " has not",
-                             item->number, segment->object);
+                             item->frame.step, segment->object);
     }
     return judge_motion(object, &motion, error);
 }
@@ -641,8 +608,8 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
 {
     struct registry_scene *scene;
     struct record_segment segment;
-    int status = find_scene(state, item->scene, &scene, error);
-    for (uint32_t i = 0; status == PCCD_OK && i < item->segment_count; i++) {
+    int status = find_scene(state, item->frame.scene, &scene, error);
+    for (uint32_t i = 0; status == PCCD_OK && i < item->frame.segment_count; i++) {
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
         status = judge_segment(state, item, &segment, error);
     }
@@ -653,7 +620,7 @@ int recorded_state_move(struct registry *state, const struct recorded_item *item
     struct record_joints head = {.count = 0};
     uint64_t table = 0;
     uint32_t base = 0; /* index of its first among those of all tables */
-    for (uint32_t i = 0; i < item->segment_count; i++) {
+    for (uint32_t i = 0; i < item->frame.segment_count; i++) {
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
         if (segment.kind == RECORD_ON_JOINT && segment.offset0 != table) {
             base += head.count;

@@ -12,24 +12,12 @@
 
 struct recorded_item {
     bool is_near;
-    uint64_t number; /* the client's, from 1; 0: another client's step */
-    uint32_t scene;
-    uint32_t segment_count; /* 0: nothing moves */
-    uint32_t method;
-    uint32_t threads;
-    uint64_t deadline_ns;
-    const uint8_t *slot; /* the segments, and what they move */
-    struct record_frame frame;
-    struct record_near near; /* is_near: this in the place of `frame` */
-    char tuning[PCCD_TUNING_BYTES];
-    struct record_separation separation;
-    bool tells; /* how the step begins; what crosses */
-    uint32_t touching;
-    double resolution;
+    struct record_frame frame; /* its step is 0: another client's */
+    const uint8_t *slot;       /* the segments, and what they move */
 };
 
-/* Take what a chunk says of the item, which is all zero before its first. True: it is
- * whole, and `slot` is the view's payload. */
+/* Take the chunk of an item. False: it is none; the item stays as it was. `slot` is in
+ * the view's payload. */
 bool recorded_item_take(struct recorded_item *item, const struct record_view *view);
 
 /* The joints on which objects turn in an item: those of all its tables, in their order,

@@ -62,18 +62,28 @@ static enum replay_what difference(const struct play_step *step)
     if (then->status != PCCD_OK) {
         return WHAT_NOTHING;
     }
-    if (then->total != now->total || then->vf != now->counts[PCCD_VF] ||
-        then->ee != now->counts[PCCD_EE]) {
+    if (then->total != now->total ||
+        memcmp(then->counts, now->counts, sizeof then->counts) != 0) {
         return WHAT_TOTAL;
     }
     if (memcmp(then->hash, now->hash, sizeof then->hash) != 0) {
         return WHAT_HASH;
     }
-    if (memcmp(&then->toi_first, &now->toi_first, sizeof(double)) != 0) {
-        return WHAT_TIME;
-    }
-    if (then->possible != now->possible || then->initial != now->initial) {
-        return WHAT_POSSIBLE;
+    if (step->asked == NULL) {
+        if (memcmp(&then->toi_first, &now->toi_first, sizeof(double)) != 0) {
+            return WHAT_TIME;
+        }
+        if (then->possible != now->possible || then->initial != now->initial) {
+            return WHAT_POSSIBLE;
+        }
+    } else {
+        if (memcmp(&then->distance_min, &now->distance_min, sizeof(double)) != 0 ||
+            memcmp(&then->distance_max, &now->distance_max, sizeof(double)) != 0) {
+            return WHAT_DISTANCE;
+        }
+        if (then->crossings != now->crossings) {
+            return WHAT_CROSSINGS;
+        }
     }
     return then->verdict != (uint32_t)now->verdict ? WHAT_VERDICT : WHAT_NOTHING;
 }
@@ -84,57 +94,27 @@ static void judge(struct replay_item *item, enum replay_what what)
     item->what = what == WHAT_NOTHING ? 0 : (uint32_t)what;
 }
 
-static enum replay_what near_difference(const struct play_step *near)
-{
-    const struct record_near_answer *then = near->recorded_near;
-    const struct pccd_answer *now = near->answer;
-    if (then->status != now->status) {
-        return WHAT_STATUS;
-    }
-    if (then->status != PCCD_OK) {
-        return WHAT_NOTHING;
-    }
-    if (then->total != now->total ||
-        memcmp(then->counts, now->counts, sizeof then->counts) != 0) {
-        return WHAT_TOTAL;
-    }
-    if (memcmp(then->hash, now->hash, sizeof then->hash) != 0) {
-        return WHAT_HASH;
-    }
-    if (memcmp(&then->distance_min, &now->distance_min, sizeof(double)) != 0 ||
-        memcmp(&then->distance_max, &now->distance_max, sizeof(double)) != 0) {
-        return WHAT_DISTANCE;
-    }
-    if (then->crossings != now->crossings) {
-        return WHAT_CROSSINGS;
-    }
-    return then->verdict != (uint32_t)now->verdict ? WHAT_VERDICT : WHAT_NOTHING;
-}
-
 void replay_judge(const struct play_step *step, struct replay_item *item)
 {
     const struct record_answer *then = step->recorded;
-    const struct record_near_answer *then_near = step->recorded_near;
     const struct pccd_answer *now = step->answer;
     bool is_near = step->asked != NULL;
     memset(item, 0, sizeof *item); /* all of it goes to other processes */
     item->step = step->number;
     item->is_near = is_near;
     item->got = side_of(now->status, now->total, now->hash, is_near ? 0 : now->toi_first);
-    if (then == NULL && then_near == NULL) {
+    if (then == NULL) {
         item->outcome = REPLAY_UNANSWERED;
         return;
     }
-    item->expected =
-        is_near ? side_of(then_near->status, then_near->total, then_near->hash, 0)
-                : side_of(then->status, then->total, then->hash, then->toi_first);
+    item->expected = side_of(then->status, then->total, then->hash, then->toi_first);
     /* With a gap any pair within it is right. */
-    if (!play_is_complete(is_near ? then_near->incomplete : then->incomplete) ||
+    if (!play_is_complete(then->incomplete) ||
         !play_is_complete((uint32_t)now->incomplete) ||
         (is_near && play_has_gap(step->asked))) {
         item->outcome = REPLAY_INCOMPLETE;
     } else {
-        judge(item, is_near ? near_difference(step) : difference(step));
+        judge(item, difference(step));
     }
 }
 

@@ -301,7 +301,7 @@ static bool take_segments(struct replayer *replayer, const struct recorded_item 
                           uint32_t *count)
 {
     bool fits = true;
-    for (uint32_t i = 0; i < item->segment_count && fits; i++) {
+    for (uint32_t i = 0; i < item->frame.segment_count && fits; i++) {
         struct record_segment segment;
         memcpy(&segment, item->slot + i * sizeof segment, sizeof segment);
         const void *begin = item->slot + segment.offset0;
@@ -382,29 +382,29 @@ static int place(struct replayer *replayer, struct registry_scene *scene,
 static int submit_step(struct replayer *replayer, const struct recorded_item *item,
                        uint32_t motion_count, uint64_t *step)
 {
-    const struct pccd_step_settings settings = {.struct_bytes = sizeof settings,
-                                                .mode = (enum pccd_mode)item->frame.mode,
-                                                .method = (enum pccd_method)item->method,
-                                                .threads = item->threads,
-                                                .tuning = item->tuning,
-                                                .tolerance = item->frame.tolerance,
-                                                .deadline_ns = item->deadline_ns,
-                                                .separation = item->separation.separation,
-                                                .approach = item->separation.approach,
-                                                .tells_start = item->tells,
-                                                .touching =
-                                                    (enum pccd_touching)item->touching,
-                                                .resolution = item->resolution,
-                                                .joints = replayer->joints.items,
-                                                .joint_count = replayer->joints.count};
-    return pccd_submit(replayer->client, item->scene, replayer->motions, motion_count,
-                       &settings, step);
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof settings,
+        .mode = (enum pccd_mode)item->frame.mode,
+        .method = (enum pccd_method)item->frame.method,
+        .threads = item->frame.threads,
+        .tuning = item->frame.tuning,
+        .tolerance = item->frame.tolerance,
+        .deadline_ns = item->frame.deadline_ns,
+        .separation = item->frame.separation,
+        .approach = item->frame.approach,
+        .tells_start = item->frame.tells != 0,
+        .touching = (enum pccd_touching)item->frame.touching,
+        .resolution = item->frame.resolution,
+        .joints = replayer->joints.items,
+        .joint_count = replayer->joints.count};
+    return pccd_submit(replayer->client, item->frame.scene, replayer->motions,
+                       motion_count, &settings, step);
 }
 
 static int submit_near(struct replayer *replayer, const struct recorded_item *item,
                        uint32_t motion_count, uint64_t *step)
 {
-    const struct record_near *near = &item->near;
+    const struct record_frame *near = &item->frame;
     struct pccd_near_settings settings = {.struct_bytes = sizeof settings,
                                           .what = (enum pccd_near_what)near->what,
                                           .distance = near->distance,
@@ -412,14 +412,14 @@ static int submit_near(struct replayer *replayer, const struct recorded_item *it
                                           .end = near->end,
                                           .object_a = near->objects[0],
                                           .object_b = near->objects[1],
-                                          .threads = item->threads,
-                                          .tells_crossings = item->tells,
-                                          .deadline_ns = item->deadline_ns,
-                                          .method = (enum pccd_method)item->method,
+                                          .threads = item->frame.threads,
+                                          .tells_crossings = item->frame.tells != 0,
+                                          .deadline_ns = item->frame.deadline_ns,
+                                          .method = (enum pccd_method)item->frame.method,
                                           .joints = replayer->joints.items,
                                           .joint_count = replayer->joints.count};
-    memcpy(settings.tuning, item->tuning, sizeof settings.tuning);
-    return pccd_submit_near(replayer->client, item->scene, replayer->motions,
+    memcpy(settings.tuning, item->frame.tuning, sizeof settings.tuning);
+    return pccd_submit_near(replayer->client, item->frame.scene, replayer->motions,
                             motion_count, &settings, step);
 }
 
@@ -487,10 +487,10 @@ int replayer_ask(struct replayer *replayer, struct registry *state,
                  const struct recorded_item *item, bool collects, struct ctl_error *error)
 {
     int status = replayer->is_behind ? tell(replayer, state, error) : PCCD_OK;
-    struct registry_scene *scene = registry_scene(state, item->scene);
+    struct registry_scene *scene = registry_scene(state, item->frame.scene);
     /* A question about where the last movement began: it is made once more, with it. */
-    bool repeats = scene != NULL && item->is_near && item->segment_count == 0 &&
-                   common_near_reads_begin(item->near.what, item->near.end) &&
+    bool repeats = scene != NULL && item->is_near && item->frame.segment_count == 0 &&
+                   common_near_reads_begin(item->frame.what, item->frame.end) &&
                    !scene->has_begin;
     uint32_t count = 0;
     uint64_t step = 0;
@@ -507,7 +507,7 @@ int replayer_ask(struct replayer *replayer, struct registry *state,
     }
     status = item->is_near ? submit_near(replayer, item, count, &step)
                            : submit_step(replayer, item, count, &step);
-    status = take_answer(replayer, item->scene, step, status, collects, error);
+    status = take_answer(replayer, item->frame.scene, step, status, collects, error);
     if (status == PCCD_OK && replayer->answer.status == PCCD_OK && scene != NULL &&
         (count > 0 || !item->is_near)) {
         scene->is_placed = scene->has_begin = true;

@@ -173,7 +173,7 @@ static void find_reach(const struct play_step *step,
                        const uint32_t *const corners[2], const uint32_t counts[2],
                        const double at[2][3], struct snapshot_contact *contact)
 {
-    double separation = step->separation.separation;
+    double separation = step->frame->separation;
     double own = recorded_radius(objects[1], corners[1], counts[1]) + separation / 2;
     double both =
         own + recorded_radius(objects[0], corners[0], counts[0]) + separation / 2;
@@ -364,7 +364,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
         return PCCD_OK; /* it failed, in a scene that there was not */
     }
     begin_snapshot(taking, step->number);
-    snapshot->separation = step->separation.separation;
+    snapshot->separation = step->frame->separation;
     int status = find_contact(taking->at, step, &shown, &snapshot->t, error);
     if (status != PCCD_OK) {
         return status;

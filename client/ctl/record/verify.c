@@ -235,7 +235,7 @@ static const char *malformed(const struct pccd_contact *contact, double toleranc
 static bool meets_again(const struct play_step *step, const struct pccd_contact *contact,
                         const struct verify_meeting *meeting)
 {
-    return step->touching == PCCD_TOUCHING_LEFT_OUT && meeting->touches &&
+    return step->frame->touching == PCCD_TOUCHING_LEFT_OUT && meeting->touches &&
            (contact->flags & PCCD_INITIAL) == 0;
 }
 
@@ -358,10 +358,10 @@ void verify_skip(uint64_t step, bool is_near, struct verify_result *result)
     verify_leave(result, "it had failed by chance, and is not repeated");
 }
 
-/* Return whether an answer has its status alone, as one of a failed step must. */
-static bool is_bare(const struct record_answer *answer)
+bool verify_is_bare(const struct record_answer *answer)
 {
-    const struct record_answer bare = {.step = answer->step, .status = answer->status};
+    const struct record_answer bare = {
+        .step = answer->step, .status = answer->status, .is_near = answer->is_near};
     return memcmp(&bare, answer, sizeof bare) == 0;
 }
 
@@ -378,7 +378,7 @@ static bool can_check(const struct play_step *step, struct verify_result *result
         *is_right = verify_wrong(
             result, step, NULL, "the recorded status is %s, that of a daemon %s",
             pccd_status_name(then->status), pccd_status_name(now->status));
-    } else if (then != NULL && then->status != PCCD_OK && !is_bare(then)) {
+    } else if (then != NULL && then->status != PCCD_OK && !verify_is_bare(then)) {
         *is_right = verify_wrong(result, step, NULL,
                                  "the step failed, and its answer has numbers");
     } else if (now == NULL && then == NULL) {

@@ -119,6 +119,8 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
 /* Return the first contact of two objects, in either order; NULL: there is none. */
 const struct pccd_contact *verify_of_objects(const struct play_step *step, uint32_t a,
                                              uint32_t b);
+/* Return whether an answer has its status alone, as one of what has failed must. */
+bool verify_is_bare(const struct record_answer *answer);
 /* Return whether nothing ended the step before it was done. */
 bool verify_is_complete(const struct play_step *step);
 /* Mix x into a number that looks random (splitmix64); for the next one x grows by the

@@ -43,7 +43,7 @@ static void sweep_feature(const struct sweep *sweep, const struct registry_objec
     double half =
         registry_pairs_half_clearance(&sweep->step->scene->pairs, object->handle);
     double reach = fmax(recorded_radius(object, v, points), half) +
-                   sweep->step->separation.separation / 2;
+                   sweep->step->frame->separation / 2;
     *swept = (struct swept){.object = object, .feature = feature};
     for (uint32_t k = 0; k < 3; k++) {
         double lo = INFINITY, hi = -INFINITY;
@@ -210,7 +210,7 @@ bool verify_any(const struct play_step *step, const struct verify_start *start,
     struct sweep sweep = {.step = step, .result = result};
     uint32_t verdict = verify_verdict(step);
     bool is_free = start->crossings + start->inside == 0;
-    if (verdict == PCCD_VERDICT_NONE || (step->tells_start && !start->is_known)) {
+    if (verdict == PCCD_VERDICT_NONE || (step->frame->tells && !start->is_known)) {
         return true;
     }
     if (!is_free && verdict != PCCD_VERDICT_YES &&

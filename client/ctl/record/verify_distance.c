@@ -113,18 +113,18 @@ struct numbers {
  * it. */
 static const char *check_recorded(const struct judge *judge, const struct numbers *is)
 {
-    const struct record_near_answer *then = judge->near->recorded_near;
-    struct record_near_answer must = {.step = judge->near->number,
-                                      .status = PCCD_OK,
-                                      .what = judge->near->asked->what,
-                                      .method = then->method,
-                                      .incomplete = then->incomplete,
-                                      .verdict = judge->verdict,
-                                      .threads = then->threads,
-                                      .total = is->total,
-                                      .distance_min = is->distance_min,
-                                      .distance_max = is->distance_max,
-                                      .crossings = judge->crossings};
+    const struct record_answer *then = judge->near->recorded;
+    struct record_answer must = {.step = judge->near->number,
+                                 .is_near = 1,
+                                 .what = judge->near->asked->what,
+                                 .method = then->method,
+                                 .incomplete = then->incomplete,
+                                 .verdict = judge->verdict,
+                                 .threads = then->threads,
+                                 .total = is->total,
+                                 .distance_min = is->distance_min,
+                                 .distance_max = is->distance_max,
+                                 .crossings = judge->crossings};
     memcpy(must.counts, is->counts, sizeof must.counts);
     memcpy(must.hash, is->hash, sizeof must.hash);
     memcpy(must.times, then->times, sizeof must.times);
@@ -169,7 +169,7 @@ static const char *check_daemon(const struct judge *judge, const struct numbers 
 static bool check_numbers(struct judge *judge, const struct numbers *is)
 {
     const struct play_step *near = judge->near;
-    const struct record_near_answer *then = near->recorded_near;
+    const struct record_answer *then = near->recorded;
     const char *name = near->answer != NULL ? check_daemon(judge, is) : NULL;
     bool is_other = near->answer != NULL && play_has_gap(near->asked);
     if (name == NULL && then != NULL) {
@@ -302,7 +302,7 @@ static bool check_count(struct judge *judge, uint64_t crossings)
     const struct play_step *near = judge->near;
     char what[120];
     uint64_t said =
-        near->answer != NULL ? near->answer->crossings : near->recorded_near->crossings;
+        near->answer != NULL ? near->answer->crossings : near->recorded->crossings;
     judge->crossings = crossings;
     (void)snprintf(what, sizeof what,
                    "%" PRIu64 " edges pass through faces, exact: %" PRIu64, said,
@@ -317,8 +317,8 @@ static bool check_crossings(struct judge *judge, const struct oracle_nears *cros
     const struct play_step *near = judge->near;
     bool intersects = crossings->count + touching->count > 0;
     judge->verdict = intersects ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
-    uint32_t verdict = near->answer != NULL ? (uint32_t)near->answer->verdict
-                                            : near->recorded_near->verdict;
+    uint32_t verdict =
+        near->answer != NULL ? (uint32_t)near->answer->verdict : near->recorded->verdict;
     if (verdict != judge->verdict) {
         return wrong(judge,
                      intersects ? "something intersects or touches, and it says no"
@@ -339,7 +339,7 @@ static bool are_of_one_pair(const struct pccd_near *a, const struct pccd_near *b
 /* Return whether the surfaces of a pair are at most the distance apart, and no farther
  * than those of the nearest by more than the gap; but for what rounding takes or adds. */
 static bool is_within_gap(const struct oracle_near *is, const struct oracle_near *nearest,
-                          const struct record_near *asked)
+                          const struct record_frame *asked)
 {
     double radii = is->radius[0] + is->radius[1];
     double of_nearest = nearest->radius[0] + nearest->radius[1];
@@ -385,7 +385,7 @@ static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth
 /* As check. */
 static int check_objects(struct judge *judge)
 {
-    const struct record_near *asked = judge->near->asked;
+    const struct record_frame *asked = judge->near->asked;
     struct oracle_nears truth = {.count = 0};
     uint64_t crossings = 0;
     int is_right = -1;
@@ -408,11 +408,11 @@ static int check_objects(struct judge *judge)
 /* 1: right, 0: wrong, -1: too much to decide. */
 static int check(struct judge *judge)
 {
-    const struct record_near *asked = judge->near->asked;
+    const struct record_frame *asked = judge->near->asked;
     bool crosses = asked->what == PCCD_NEAR_CROSSINGS;
     struct oracle_nears pairs = {.count = 0}, more = {.count = 0};
     int is_right = -1;
-    if (judge->near->tells_crossings && common_near_has_all_pairs(asked->what)) {
+    if (judge->near->asked->tells && common_near_has_all_pairs(asked->what)) {
         if (!oracle_near_crossings(&judge->moment, DECISIONS_MAX, &more)) {
             return -1;
         }
@@ -444,14 +444,14 @@ static int check(struct judge *judge)
 /* ---- how a step begins ------------------------------------------------------------- */
 
 /* True: it is known, and was not too much to decide. */
-static bool find_start(struct judge *judge, const struct record_separation *apart,
+static bool find_start(struct judge *judge, const struct record_frame *frame,
                        struct verify_start *start)
 {
     struct oracle_nears crossings = {.count = 0}, pairs = {.count = 0};
     start->is_known =
         oracle_near_crossings(&judge->moment, DECISIONS_MAX, &crossings) &&
-        (apart->approach == 0 ||
-         oracle_near_pairs(&judge->moment, apart->separation, DECISIONS_MAX, &pairs));
+        (frame->approach == 0 ||
+         oracle_near_pairs(&judge->moment, frame->separation, DECISIONS_MAX, &pairs));
     start->crossings = crossings.count;
     start->inside = pairs.count;
     oracle_nears_deinit(&crossings);
@@ -469,11 +469,12 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
                   struct verify_start *start, struct ctl_error *error, int *status)
 {
     const struct pccd_answer *now = step->answer;
-    const struct record_near asked = {.what = PCCD_NEAR_PAIRS, .end = 0};
-    const struct play_step near = {.asked = &asked, .scene = step->scene};
+    const struct record_frame asked = {.what = PCCD_NEAR_PAIRS, .end = 0};
+    const struct play_step near = {
+        .frame = &asked, .asked = &asked, .scene = step->scene};
     struct judge judge = {.near = &near, .result = result};
     *start = (struct verify_start){.is_known = false};
-    if (!step->tells_start) {
+    if (!step->frame->tells) {
         return now == NULL || now->crossings + now->start_inside == 0 ||
                verify_wrong(result, step, NULL, "it tells how it begins, unasked");
     }
@@ -484,14 +485,14 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
         return false;
     }
     const struct registry_pairs *pairs = &step->scene->pairs;
-    for (uint32_t i = 0; i < pairs->count && step->separation.approach > 0; i++) {
+    for (uint32_t i = 0; i < pairs->count && step->frame->approach > 0; i++) {
         if (pairs->said[i].has_clearance) { /* such a step is refused */
             return verify_wrong(result, step, NULL,
                                 "it says how it begins, but objects have a clearance");
         }
     }
     bool has_memory = make_moment(&judge);
-    bool is_known = has_memory && find_start(&judge, &step->separation, start);
+    bool is_known = has_memory && find_start(&judge, step->frame, start);
     free_moment(&judge);
     if (!has_memory) {
         *status = ctl_error_set(error, PCCD_E_NOMEM, "no memory for how a step begins");
@@ -510,24 +511,17 @@ bool verify_start(const struct play_step *step, struct verify_result *result,
                         start->inside);
 }
 
-/* Return whether an answer has its status alone, as one of a failed question must. */
-static bool is_bare(const struct record_near_answer *answer)
-{
-    const struct record_near_answer bare = {.step = answer->step,
-                                            .status = answer->status};
-    return memcmp(&bare, answer, sizeof bare) == 0;
-}
-
 /* Return why the answers to a question cannot be; NULL: they can. */
 static const char *misfit(const struct play_step *near)
 {
-    const struct record_near_answer *then = near->recorded_near;
+    const struct record_answer *then = near->recorded;
     const struct pccd_answer *now = near->answer;
     if (now != NULL && then != NULL && now->status != then->status) {
         return "the recorded status is not that of a daemon";
     }
     if (then != NULL && then->status != PCCD_OK) {
-        return is_bare(then) ? NULL : "the question failed, and its answer has numbers";
+        return verify_is_bare(then) ? NULL
+                                    : "the question failed, and its answer has numbers";
     }
     if (near->found.is_torn) {
         return "a page of records that was fetched twice was not the same";
@@ -553,7 +547,7 @@ static const char *misfit(const struct play_step *near)
 
 static bool can_check(const struct play_step *near, struct verify_result *result)
 {
-    const struct record_near_answer *then = near->recorded_near;
+    const struct record_answer *then = near->recorded;
     const struct pccd_answer *now = near->answer;
     if (now == NULL && then == NULL) {
         verify_leave(result, "it has no answer");

@@ -93,7 +93,7 @@ bool verify_radii(const struct play_step *step, const struct pccd_pair *pair,
         radius[0] = clearance;
         radius[1] = 0;
     }
-    radius[2] = step->separation.separation;
+    radius[2] = step->frame->separation;
     bool is_thick = radius[0] + radius[1] + radius[2] > 0 &&
                     (a != b || !is_excluded(step->scene, a, pair));
     if (!is_thick) {
@@ -113,7 +113,7 @@ static void look_at_distance(const struct play_step *step, enum oracle_kind kind
     static const uint32_t flags[3] = {PCCD_ENTERS, PCCD_SLIDES, PCCD_LEAVES};
     int trend = oracle_distance_trend(kind, (const double(*)[3])meeting->p);
     meeting->fate = flags[1 + trend];
-    if (step->touching == PCCD_TOUCHING_LEFT_OUT && trend >= 0) {
+    if (step->frame->touching == PCCD_TOUCHING_LEFT_OUT && trend >= 0) {
         thick->approach = NEARER;
         oracle_first_free(meeting->first);
         meeting->first = oracle_thick_first_new(thick);
@@ -128,7 +128,7 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
     struct oracle_thick thick = {.points_a = (int)points[0],
                                  .points_b = (int)points[1],
                                  .p = (const double(*)[3])meeting->p,
-                                 .approach = step->separation.approach};
+                                 .approach = step->frame->approach};
     bool is_thick = verify_radii(step, pair, thick.radius);
     meeting->r = thick.radius[0] + thick.radius[1] + thick.radius[2];
     find_ends(step->scene, pair, meeting->p);
@@ -145,7 +145,7 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
     meeting->flags =
         (at_once ? (uint32_t)PCCD_INITIAL : 0) | (is_inside ? (uint32_t)PCCD_INSIDE : 0);
     meeting->fate = 0;
-    if (at_once && !meeting->touches && step->touching != PCCD_TOUCHING_KEPT) {
+    if (at_once && !meeting->touches && step->frame->touching != PCCD_TOUCHING_KEPT) {
         look_at_distance(step, points[0] == 1 ? ORACLE_VF : ORACLE_EE, &thick, meeting);
     }
 }

@@ -180,7 +180,7 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
             struct box near = box_of(draw, other, v, points[1]);
             struct box box = tight;
             widen(&box,
-                  draw->step->separation.separation +
+                  draw->step->frame->separation +
                       (clearance >= 0 ? clearance
                                       : radius + recorded_radius(other, v, points[1])));
             if (!meet(&box, &near) || !is_of_kind(kind, other->mesh, points[1], f) ||

@@ -34,7 +34,7 @@ static void count_contact(struct numbers *is, const struct pccd_contact *contact
 /* Return whether anything of the step is thick, wherever it is. */
 static bool has_thickness(const struct play_step *step)
 {
-    bool is_thick = step->separation.separation > 0;
+    bool is_thick = step->frame->separation > 0;
     for (uint32_t i = 0; i < step->scene->object_count && !is_thick; i++) {
         const struct registry_object *object = &step->scene->objects[i];
         const uint32_t vertices = object->mesh->radii ? object->mesh->vertex_count : 1;
@@ -88,8 +88,7 @@ static void number(const struct play_step *step, struct numbers *is)
     X(mode)                                                                              \
     X(verdict)                                                                           \
     X(total)                                                                             \
-    X(vf)                                                                                \
-    X(ee)                                                                                \
+    X(counts)                                                                            \
     X(possible)                                                                          \
     X(initial)                                                                           \
     X(toi_first)                                                                         \
@@ -122,11 +121,10 @@ static bool check_recorded(const struct play_step *step, const struct numbers *i
                                                    : (uint32_t)PCCD_VERDICT_NONE,
                                  .threads = then->threads,
                                  .total = is->total,
-                                 .vf = is->counts[PCCD_VF],
-                                 .ee = is->counts[PCCD_EE],
                                  .possible = is->possible,
                                  .initial = is->initial,
                                  .toi_first = is->toi_first};
+    memcpy(must.counts, is->counts, sizeof must.counts);
     memcpy(must.hash, is->hash, sizeof must.hash);
     memcpy(must.times, then->times, sizeof must.times);
     memcpy(must.counters, then->counters, sizeof must.counters);
@@ -250,30 +248,21 @@ static bool check_once(const struct play_step *step, struct verify_result *resul
            verify_wrong(result, step, NULL, "two records are of the same two objects");
 }
 
-/* Return whether two features may make a pair of VE or VV, whose numbers are not
- * recorded. */
-static bool has_free(const struct registry_scene *scene)
-{
-    bool has = false;
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        has = has || scene->objects[i].mesh->named_edge_count > 0 ||
-              scene->objects[i].mesh->named_point_count > 0;
-    }
-    return has;
-}
-
 /* Check an answer of which some records are not there: its recorded numbers by the
  * others. */
 static bool check_part(const struct play_step *step, struct verify_result *result)
 {
     const struct record_answer *then = step->recorded;
-    uint64_t kinds = then->vf + then->ee;
+    uint64_t kinds = 0;
+    bool fits = true;
     struct numbers is;
     number(step, &is);
-    return (is.counts[PCCD_VF] <= then->vf && is.counts[PCCD_EE] <= then->ee &&
-            is.possible <= then->possible && is.initial <= then->initial &&
-            is.toi_first >= then->toi_first && kinds <= then->total &&
-            (kinds == then->total || has_free(step->scene))) ||
+    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+        kinds += then->counts[kind];
+        fits = fits && is.counts[kind] <= then->counts[kind];
+    }
+    return (fits && is.possible <= then->possible && is.initial <= then->initial &&
+            is.toi_first >= then->toi_first && kinds == then->total) ||
            verify_wrong(result, step, NULL,
                         "the recorded numbers do not fit those of its records that are "
                         "there");

@@ -272,9 +272,10 @@ const char *verify_touching(const struct play_step *step,
 {
     const uint32_t told = contact->flags & FATES;
     const bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
-    const bool is_left_out = step->touching == PCCD_TOUCHING_LEFT_OUT;
+    const bool is_left_out = step->frame->touching == PCCD_TOUCHING_LEFT_OUT;
     const bool is_told =
-        meeting->fate != 0 || (meeting->touches && step->touching != PCCD_TOUCHING_KEPT);
+        meeting->fate != 0 ||
+        (meeting->touches && step->frame->touching != PCCD_TOUCHING_KEPT);
     if (is_told != (told != 0) || (told & (told - 1)) != 0) {
         return "what becomes of what touches is not told, or told unasked, or twice";
     }
@@ -304,7 +305,7 @@ bool verify_is_left_out(const struct play_step *step, const struct pccd_pair *pa
                         const struct verify_meeting *meeting, double until,
                         struct verify_result *result)
 {
-    if (!meeting->touches || step->touching != PCCD_TOUCHING_LEFT_OUT) {
+    if (!meeting->touches || step->frame->touching != PCCD_TOUCHING_LEFT_OUT) {
         return false;
     }
     mpq_t soon;

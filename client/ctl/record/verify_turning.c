@@ -137,7 +137,8 @@ static double reach_of(const struct play_step *step, const struct pccd_pair *pai
     measure(registry_object(step->scene, pair->object_a), &extent, &size);
     measure(registry_object(step->scene, pair->object_b), &extent, &size);
     size += length_of_joints(step);
-    double resolution = step->resolution > 0 ? step->resolution : RESOLUTION * extent;
+    double resolution =
+        step->frame->resolution > 0 ? step->frame->resolution : RESOLUTION * extent;
     return fmax(2 * resolution, ROUNDING * size);
 }
 
@@ -197,7 +198,7 @@ static int ask_both(const struct play_step *step, const struct pccd_pair *pair,
                     struct oracle_turning_answer *met)
 {
     static const uint8_t rank[4] = {0, 1, 2, 3};
-    const double s = step->separation.approach;
+    const double s = step->frame->approach;
     double *radius = question->pair.radius;
     double r = radius[0] + radius[1] + radius[2], low = r, p[8][3], extent = 0, size = 0;
     struct oracle_distance first = {.lo = INFINITY};
