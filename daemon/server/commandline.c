@@ -201,28 +201,56 @@ static void look_at_row(void *context, const struct option_row *row)
     search->row = strcmp(row->name, search->name) == 0 ? row : search->row;
 }
 
+static const struct option_row *find_row(const char *name)
+{
+    struct search search = {.name = name};
+    option_each(&table, look_at_row, &search);
+    return search.row;
+}
+
+/* Return what is wrong with a line, but for the value; NULL: nothing. */
+static const char *look_at_line(const struct option_row *row, const char *value)
+{
+    return row == NULL ? "there is no such setting"
+           : row->at == AT(ready_fd) || row->at == AT(config_path)
+               ? "this is for the command line"
+           : row->type == OPTION_FLAG && strcmp(value, "yes") != 0 &&
+                   strcmp(value, "no") != 0
+               ? "yes or no is wanted"
+               : NULL;
+}
+
+const char *srv_option_wrong(const struct srv_settings_line *line)
+{
+    const struct option_row *row = find_row(line->name);
+    const char *wrong = look_at_line(row, line->value);
+    char words[64], word[sizeof line->value + 2], *end;
+    bool is_value = true;
+    if (wrong == NULL && row->type == OPTION_WORD) {
+        snprintf(words, sizeof words, "|%s|", row->arg);
+        snprintf(word, sizeof word, "|%s|", line->value);
+        is_value = strstr(words, word) != NULL && strchr(line->value, '|') == NULL;
+    } else if (wrong == NULL && row->type == OPTION_U32) {
+        unsigned long number = strtoul(line->value, &end, 10);
+        is_value = *end == '\0' && number >= row->min && number <= row->max;
+    }
+    return is_value ? wrong : "there is no such value";
+}
+
 /* Take one line as the option that it names. What is wrong ends the program. */
 static void take_line(struct srv_options *options, const char *path,
                       const struct srv_settings_line *line)
 {
     char place[SRV_PATH_BYTES + 32], word[sizeof line->name + sizeof line->value + 4];
     char *argv[] = {program_invocation_name, word, NULL};
-    struct search search = {.name = line->name};
+    const struct option_row *row = find_row(line->name);
+    const char *wrong = look_at_line(row, line->value);
     snprintf(place, sizeof place, "%s:%u", path, line->number);
-    option_each(&table, look_at_row, &search);
-    const char *wrong =
-        search.row == NULL ? "there is no such setting"
-        : search.row->at == AT(ready_fd) || search.row->at == AT(config_path)
-            ? "this is for the command line"
-        : search.row->type == OPTION_FLAG && strcmp(line->value, "yes") != 0 &&
-                strcmp(line->value, "no") != 0
-            ? "yes or no is wanted"
-            : NULL;
     if (wrong != NULL) {
         fprintf(stderr, "pccdd: %s: %s: %s\n", place, line->name, wrong);
         exit(argp_err_exit_status);
     }
-    if (search.row->type != OPTION_FLAG) {
+    if (row->type != OPTION_FLAG) {
         snprintf(word, sizeof word, "--%s=%s", line->name, line->value);
     } else if (strcmp(line->value, "yes") == 0) {
         snprintf(word, sizeof word, "--%s", line->name);

@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "commandline.h"
 #include "config.h"
 #include "conn.h"
 #include "crash.h"
@@ -240,7 +241,7 @@ static void on_hangup(uv_signal_t *signal, int number)
     (void)number;
     srv_log_reopen();
     if (options->config != NULL) {
-        srv_config_reload(&reactor->server.service);
+        srv_config_reload(&reactor->server.service, srv_option_wrong);
     }
 }
 

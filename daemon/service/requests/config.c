@@ -204,11 +204,17 @@ void srv_config_restore(struct srv_service *service, struct srv_config_kept *kep
 }
 
 /* Take a line of the configuration file, or mark it as refused. */
-static void reload_line(struct srv_service *service, struct srv_settings_line *line)
+static void reload_line(struct srv_service *service, srv_setting_check check,
+                        struct srv_settings_line *line)
 {
     struct proto_error error = {0};
     uint32_t index = find(line->name);
-    if (index == SETTING_COUNT) {
+    const char *wrong = index == SETTING_COUNT ? check(line) : NULL;
+    if (wrong != NULL) {
+        line->is_refused = true;
+        srv_log(SRV_LOG_ERROR, 0, "%s:%u: %s: %s; pccdd does not start with that",
+                service->options->config_path, line->number, line->name, wrong);
+    } else if (index == SETTING_COUNT) {
         srv_log(SRV_LOG_WARN, 0, "%s:%u: %s: this holds after a restart",
                 service->options->config_path, line->number, line->name);
     } else if (set(service, index, line->value, &error) != 0) {
@@ -230,7 +236,8 @@ static bool says(const struct srv_settings_file *file,
     bool does =
         last != NULL && !last->is_refused && strcmp(last->value, line->value) == 0;
     for (uint32_t i = 0; i < file->count && find(line->name) == SETTING_COUNT; i++) {
-        does = does || (strcmp(file->lines[i].name, line->name) == 0 &&
+        does = does || (!file->lines[i].is_refused &&
+                        strcmp(file->lines[i].name, line->name) == 0 &&
                         strcmp(file->lines[i].value, line->value) == 0);
     }
     return does;
@@ -245,7 +252,7 @@ static bool is_gone(const struct srv_settings_file *now,
                : !says(now, line);
 }
 
-void srv_config_reload(struct srv_service *service)
+void srv_config_reload(struct srv_service *service, srv_setting_check check)
 {
     static struct srv_settings_file now;
     char error[SRV_SETTINGS_ERROR_BYTES];
@@ -257,11 +264,11 @@ void srv_config_reload(struct srv_service *service)
     }
     for (uint32_t i = 0; i < now.count; i++) {
         if (!says(last, &now.lines[i]) && says(&now, &now.lines[i])) {
-            reload_line(service, &now.lines[i]);
+            reload_line(service, check, &now.lines[i]);
         }
     }
     for (uint32_t i = 0; i < last->count; i++) {
-        if (is_gone(&now, &last->lines[i])) {
+        if (!last->lines[i].is_refused && is_gone(&now, &last->lines[i])) {
             srv_log(SRV_LOG_WARN, 0,
                     "%s = %s: no longer in %s; it stays as it was until a restart",
                     last->lines[i].name, last->lines[i].value,

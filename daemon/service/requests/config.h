@@ -13,6 +13,10 @@
 
 struct srv_service;
 
+/* Return what is wrong with a line that config.set knows nothing of; NULL: nothing that
+ * can be seen before a start. */
+typedef const char *(*srv_setting_check)(const struct srv_settings_line *line);
+
 #define SRV_CONFIG_KEPT_MAX 64u
 
 /* Holds what outlives the process. Changed settings by index: one more than the value, 0:
@@ -29,8 +33,9 @@ struct srv_config_kept {
 void srv_config_restore(struct srv_service *service, struct srv_config_kept *kept);
 
 /* Take what has changed in the configuration file since it was read last, each as
- * config.set would, and log each: that it was taken, is wrong, or holds after a restart.
- * A file that cannot be read changes nothing. */
-void srv_config_reload(struct srv_service *service);
+ * config.set would, and log each: that it was taken, is wrong, or holds after a restart,
+ * unless `check` says that it is wrong, too. A file that cannot be read changes nothing.
+ */
+void srv_config_reload(struct srv_service *service, srv_setting_check check);
 
 #endif
