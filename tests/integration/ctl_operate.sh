@@ -60,14 +60,20 @@ report config_file__is_taken_before_the_command_line
 # If it failed, a change would need a restart, one with a mistake would be taken in part or unsaid, or
 # one that cannot hold at once would be said to.
 ctl config set log-level info && ctl config set linger 9 &&
-    printf '%s\n' 'threads = 1' 'grace=78' 'queue-max = none' 'linger = 11' 'pin = off' >it.conf &&
+    printf '%s\n' 'threads = 1' 'grace=78' 'queue-max = none' 'linger = 11' 'pin = off' 'threds = 2' \
+        'pin = some' 'supervise = 1' 'crashes-max = 0' 'ready-fd = 3' >it.conf &&
     kill -HUP "$daemon" && soon grep -q 'scenes-max = 10: no longer in it.conf' it.log && setting grace 78 &&
     setting linger 11 && setting queue-max 32768 && setting scenes-max 20 &&
     grep -q 'it.conf:3: queue-max: "none" is not a whole number; it stays as it was' it.log &&
     grep -q 'it.conf:5: pin: this holds after a restart' it.log &&
+    grep -q 'it.conf:6: threds: there is no such setting; pccdd does not start with that' it.log &&
+    grep -q 'it.conf:7: pin: there is no such value;' it.log &&
+    grep -q 'it.conf:8: supervise: yes or no is wanted;' it.log &&
+    grep -q 'it.conf:9: crashes-max: there is no such value;' it.log &&
+    grep -q 'it.conf:10: ready-fd: this is for the command line;' it.log &&
     ! grep -q 'threads: 1, by' it.log && ctl config set grace 5 && : >it.log &&
-    kill -HUP "$daemon" && soon grep -q 'it.conf:3: queue-max: "none" is not' it.log && # once more
-    [ "$(wc -l <it.log)" -eq 1 ] && setting grace 5 && # which the file says as before
+    kill -HUP "$daemon" && soon grep -q 'it.conf:10: ready-fd: this is for' it.log && # once more
+    [ "$(wc -l <it.log)" -eq 6 ] && ! grep -q 'grace\|pin: this' it.log && setting grace 5 && # which the file says as before
     echo 'grace' >it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf:1: the line is not NAME' it.log &&
     rm it.conf && kill -HUP "$daemon" && soon grep -q 'it.conf: No such file.*all stays' it.log &&
     setting grace 5 && ctl check a.obj b.obj
@@ -172,11 +178,26 @@ connection.sock = socket.socket(socket.AF_UNIX)
 connection.sock.connect(sys.argv[1])
 connection.request(sys.argv[3], sys.argv[2])
 answer = connection.getresponse()
-open("status", "w").write("%d %s" % (answer.status, answer.getheader("Content-Type")))
+open("status", "w").write("%d %s %s" % (answer.status, answer.getheader("Content-Type"), answer.getheader("Allow")))
 sys.stdout.write(answer.read().decode())
 EOF
 }
 status_is() { grep -q "^$1 text/plain; version=0.0.4" status; }
+# crowd: whether each of 50 who ask at the same time is answered, beside 150 who say nothing.
+crowd() {
+    python3 - "$work/http" >out 2>err <<'EOF'
+import socket, sys
+sockets = [socket.socket(socket.AF_UNIX) for i in range(200)]
+for each in sockets:
+    each.settimeout(20)
+    each.connect(sys.argv[1])
+for each in sockets[150:]:
+    each.sendall(b"GET /metrics HTTP/1.1\r\nHost: pccd\r\nConnection: close\r\n\r\n")
+for each in sockets[150:]:
+    answer = b"".join(iter(lambda: each.recv(65536), b""))
+    assert answer.startswith(b"HTTP/1.1 200 ") and b"\npccd_steps_total " in answer, answer[:200]
+EOF
+}
 names=(metrics__are_answered_over_http metrics__of_users_are_told_apart
     metrics__of_a_daemon_that_hangs_keep_no_other_waiting)
 if ! command -v python3 >/dev/null; then
@@ -191,7 +212,8 @@ else
     # If it failed, a monitor would see a daemon that is gone as well, or not see one that is back.
     soon test -S http && get /metrics && status_is 200 && says '^pccd_steps_total [0-9]+$' &&
         [ "$(tail -c 1 out | od -An -c)" = '  \n' ] && get /health && status_is 200 && says '^ok$' &&
-        get / && status_is 404 && get /metrics POST && status_is 405 && get /metrics HEAD && status_is 200 &&
+        get / && status_is 404 && get /metrics POST && status_is 405 &&
+        grep -q ' GET, HEAD$' status && crowd && get /metrics HEAD && status_is 200 &&
         [ ! -s out ] && fails 4 'cannot listen at http: Address already in use' metrics --listen http &&
         fails 4 'cannot listen at s: Address already in use' metrics --listen s && [ -S s ] && # the daemon's
         kill "$daemon" && { wait "$daemon" 2>/dev/null; get /health; } && status_is 503 && says 'no answer' &&

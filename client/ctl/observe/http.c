@@ -23,8 +23,7 @@
 #include "terminal.h"
 
 #define SLICE_S         0.2 /* between two looks for an interrupt */
-#define BACKLOG         16
-#define CONNECTIONS_MAX 32u
+#define CONNECTIONS_MAX 256u
 #define IDLE_S          10u /* that a connection may be silent */
 
 struct server {
@@ -107,7 +106,7 @@ static int listen_at(const char *path)
     bool is_bound =
         fd >= 0 && bind(fd, (const struct sockaddr *)&address, sizeof address) == 0;
     umask(before);
-    if (is_bound && listen(fd, BACKLOG) == 0) {
+    if (is_bound && listen(fd, SOMAXCONN) == 0) {
         return fd;
     }
     int saved = errno;
@@ -131,6 +130,9 @@ static enum MHD_Result reply(struct MHD_Connection *connection, unsigned status,
     }
     (void)mhd.add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE,
                                   "text/plain; version=0.0.4; charset=utf-8");
+    if (status == MHD_HTTP_METHOD_NOT_ALLOWED) {
+        (void)mhd.add_response_header(response, MHD_HTTP_HEADER_ALLOW, "GET, HEAD");
+    }
     enum MHD_Result result = mhd.queue_response(connection, status, response);
     mhd.destroy_response(response);
     return result;
