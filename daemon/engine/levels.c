@@ -161,7 +161,8 @@ static uint32_t binary_boxes(const struct eng_scene *scene, uint32_t level,
         uint32_t node, level;
     } stack[ENG_LEVELS_MAX + 1], at = {trees->root, 0};
     uint32_t waiting = 0, boxes = 0;
-    if (trees->top_is_stale || trees->root == ENG_NO_NODE || level > ENG_LEVELS_MAX ||
+    if (trees->top_is_stale || trees->boxes_are_old || trees->root == ENG_NO_NODE ||
+        level > ENG_LEVELS_MAX ||
         (trees->frames > 0 && trees->frames != scene->framing.number)) {
         return 0;
     }

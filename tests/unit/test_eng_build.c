@@ -31,7 +31,7 @@ static void settle(struct eng_scene *scene)
     assert_ok(eng_paper_add_objects(scene));
     assert_ok(eng_build_top(scene));
     assert_false(eng_trees_of(scene)->top_is_stale);
-    eng_refit(scene);
+    eng_refit(scene, NULL);
     assert_true(eng_tree_validate(scene));
 }
 

@@ -22,12 +22,9 @@ static struct eng_scene *new_scene(struct prng *random, uint32_t objects)
     return scene;
 }
 
-/* A step called off at once: it moves and refits all the same. */
 static void run(struct eng_scene *scene)
 {
-    const atomic_bool cancel = true;
     struct eng_question settings = kit_contacts(PCCD_MODE_ANY, PCCD_METHOD_PAPER);
-    settings.cancel = &cancel;
     kit_step(scene, &settings);
 }
 
@@ -188,7 +185,7 @@ CASE(refit__repeated_refit_does_not_inflate)
         }
         check_same(scene, &first);
         for (int again = 0; again < 5; again++) {
-            eng_refit(scene);
+            eng_refit(scene, NULL);
         }
         check_same(scene, &first);
         eng_stage_begin(scene); /* somewhere else in between */
@@ -248,7 +245,7 @@ static void move_some(struct prng *random, struct eng_scene *scene)
 static void check_as_alone(struct eng_scene *scene)
 {
     struct snapshot made = snap(scene);
-    eng_refit(scene);
+    eng_refit(scene, NULL);
     check_same_boxes(eng_trees_of(scene)->nodes, made.nodes,
                      eng_trees_of(scene)->node_ranges.end);
     check_same_boxes(eng_trees_of(scene)->edges, made.edges,

@@ -177,7 +177,7 @@ CASE_WITH(refit_plan__every_subtree_is_refit_as_a_whole, setup, teardown)
 {
     struct fixture *f = *state;
     struct eng_scene *scene = f->scene;
-    eng_refit(scene);
+    eng_refit(scene, NULL);
     size_t bytes =
         eng_trees_of(scene)->node_ranges.end * sizeof *eng_trees_of(scene)->nodes;
     void *expected = test_copy(eng_trees_of(scene)->nodes, bytes);
@@ -192,7 +192,7 @@ CASE_WITH(refit_plan__every_subtree_is_refit_as_a_whole, setup, teardown)
         eng_refit_subtree(scene, root);
         const struct eng_node *was = (const struct eng_node *)expected + root;
         assert_memory_equal(&eng_trees_of(scene)->nodes[root], was, sizeof *was);
-        eng_refit(scene);
+        eng_refit(scene, NULL);
         assert_memory_equal(eng_trees_of(scene)->nodes, expected, bytes);
     }
     free(expected);

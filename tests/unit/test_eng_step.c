@@ -332,6 +332,51 @@ CASE_WITH(step__early_ends_say_why, setup, teardown)
     free(contacts);
 }
 
+/* Take the soup far away and back, by a step that makes boxes, and one that is called off
+ * before it makes any; then ask what is near. */
+static struct eng_step_result near_after_cancel(struct fixture *f,
+                                                const struct eng_question *settings)
+{
+    const atomic_bool cancel = true;
+    struct eng_question called_off = *settings, near = *settings;
+    double far[SOUP_VERTICES][3];
+    for (uint32_t i = 0; i < 3 * SOUP_VERTICES; i++) {
+        far[i / 3][i % 3] = f->x1[i / 3][i % 3] + 100;
+    }
+    eng_stage_begin(f->scene);
+    assert_ok(
+        eng_stage_x0x1(f->scene, f->soup, PCCD_FORMAT_F64, 0, SOUP_VERTICES, far, far));
+    assert_int_equal(kit_step(f->scene, settings).incomplete, PCCD_COMPLETE);
+    called_off.cancel = &cancel;
+    assert_int_equal(run_with(f, &called_off).incomplete, PCCD_INCOMPLETE_CANCELLED);
+    near.verb = PCCD_NEAR_PAIRS;
+    near.distance = 0.05;
+    return kit_near(f->scene, &near);
+}
+
+/* If it failed: what is asked behind a step that was called off would be looked for in
+ * boxes of an older one, and missed. */
+CASE_WITH(step__called_off_leaves_no_boxes_to_go_by, setup, teardown)
+{
+    struct fixture *f = *state;
+    struct eng_step_result all = run(f, PCCD_MODE_ALL);
+    const uint64_t hash = all.hash[1];
+    struct eng_question near = ENG_QUESTION_DEFAULT;
+    near.verb = PCCD_NEAR_PAIRS;
+    near.distance = 0.05;
+    const uint64_t near_hash = kit_near(f->scene, &near).hash[1];
+    for (int way = 0; way < 4; way++) {
+        struct eng_question settings = kit_contacts(
+            PCCD_MODE_ALL, way % 2 == 0 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE);
+        settings.threads = way < 2 ? 1 : 3;
+        settings.team_always = true;
+        struct eng_step_result found = near_after_cancel(f, &settings);
+        assert_true(found.count > 0);
+        assert_int_equal(found.hash[1], near_hash);
+        assert_int_equal(run_with(f, &settings).hash[1], hash);
+    }
+}
+
 #define SPIKES 3500u
 #define KEPT   20u
 

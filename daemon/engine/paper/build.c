@@ -201,7 +201,7 @@ static void refit_where_they_stand(struct eng_scene *scene, uint32_t first, uint
     scene->x[1 - scene->now] = scene->x[scene->now];
     for (uint32_t i = first; i < end; i++) {
         if (eng_paper_object_of(&scene->objects[i])->nodes.count > 0) {
-            eng_refit_object(scene, &scene->objects[i]);
+            eng_refit_object(scene, &scene->objects[i], NULL);
         }
     }
     scene->x[1 - scene->now] = staged;
@@ -407,12 +407,13 @@ static bool validate_node(const struct eng_scene *scene, uint32_t idx)
     struct eng_trees *trees = eng_trees_of(scene);
     const struct eng_node *node = &trees->nodes[idx];
     if (node->left == ENG_LEAF) {
-        return node->count == 1 && leaf_contains_triangle(scene, node);
+        return node->count == 1 &&
+               (trees->boxes_are_old || leaf_contains_triangle(scene, node));
     }
     const struct eng_node *left = &trees->nodes[node->left];
     const struct eng_node *right = &trees->nodes[node->right];
-    return node->count == left->count + right->count && contains(node, left) &&
-           contains(node, right);
+    return node->count == left->count + right->count &&
+           (trees->boxes_are_old || (contains(node, left) && contains(node, right)));
 }
 
 /* A number whose sums tell sets of triangles apart. */

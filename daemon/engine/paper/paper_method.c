@@ -133,7 +133,7 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
 static bool has_boxes(const struct eng_scene *scene)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
-    return !trees->top_is_stale && trees->boxes_of != 0 &&
+    return !trees->top_is_stale && !trees->boxes_are_old && trees->boxes_of != 0 &&
            trees->boxes_of == scene->moving.number &&
            trees->frames == scene->framing.number &&
            trees->thickness == scene->thickness.number;
@@ -156,7 +156,9 @@ static void start(struct eng_team *team, const struct eng_question *question)
 
 static void ready(struct eng_worker *worker)
 {
-    if (eng_asks_near(worker->question)) {
+    struct eng_trees *trees = eng_trees_of(worker->scene);
+    trees->boxes_are_old = eng_worker_is_late(worker, 0);
+    if (trees->boxes_are_old || eng_asks_near(worker->question)) {
         return;
     }
     eng_rebuild_top(worker);
@@ -165,7 +167,9 @@ static void ready(struct eng_worker *worker)
 
 static void beside(struct eng_worker *worker)
 {
-    eng_background_share(&eng_paper_of(worker->scene)->background, worker);
+    if (!eng_trees_of(worker->scene)->boxes_are_old) {
+        eng_background_share(&eng_paper_of(worker->scene)->background, worker);
+    }
 }
 
 static void end(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns)
@@ -183,7 +187,7 @@ static void no_more(struct eng_worker *worker)
 
 static void refit(struct eng_worker *worker)
 {
-    eng_refit(worker->scene);
+    eng_refit(worker->scene, worker);
 }
 
 static bool refit_by_team(struct eng_team *team, struct eng_worker *worker)

@@ -81,19 +81,38 @@ void eng_refit_subtree(struct eng_scene *scene, uint32_t root)
     }
 }
 
-void eng_refit_object(struct eng_scene *scene, const struct eng_object *object)
+/* Return whether boxes are not wanted any more, as the step has to end. */
+static bool is_late(struct eng_worker *worker)
 {
-    eng_refit_vertices(scene, object->vertices);
-    eng_refit_edges(scene, eng_paper_object_of(object)->edges);
-    eng_refit_nodes(scene, eng_paper_object_of(object)->nodes);
+    return worker && eng_worker_is_late(worker, 0);
 }
 
-void eng_refit(struct eng_scene *scene)
+/* Make the boxes of a range, the last first, until the step has to end. */
+static void make_parts(struct eng_scene *scene, struct eng_worker *worker,
+                       struct eng_range range,
+                       void (*make)(struct eng_scene *scene, struct eng_range part))
+{
+    while (range.count > 0 && !is_late(worker)) {
+        uint32_t part = range.count < ENG_REFIT_CHUNK ? range.count : ENG_REFIT_CHUNK;
+        range.count -= part;
+        make(scene, (struct eng_range){range.first + range.count, part});
+    }
+}
+
+void eng_refit_object(struct eng_scene *scene, const struct eng_object *object,
+                      struct eng_worker *worker)
+{
+    make_parts(scene, worker, object->vertices, eng_refit_vertices);
+    make_parts(scene, worker, eng_paper_object_of(object)->edges, eng_refit_edges);
+    make_parts(scene, worker, eng_paper_object_of(object)->nodes, eng_refit_nodes);
+}
+
+void eng_refit(struct eng_scene *scene, struct eng_worker *worker)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         if (scene->objects[i].mesh) {
-            eng_refit_object(scene, &scene->objects[i]);
+            eng_refit_object(scene, &scene->objects[i], worker);
         }
     }
     eng_refit_anew(scene, trees->top);
@@ -305,13 +324,16 @@ static uint32_t next(atomic_uint *counter)
 }
 
 /* Vertices until none are left to take. */
-static void vertices_by_team(struct eng_team *team, const struct eng_refit_plan *plan)
+static void vertices_by_team(struct eng_team *team, struct eng_worker *worker,
+                             const struct eng_refit_plan *plan)
 {
     const struct eng_refit_chunks *chunks = &plan->vertices;
     struct eng_refit_progress *progress = &team->refit;
     for (uint32_t i = next(&progress->next_vertices); i < chunks->count;
          i = next(&progress->next_vertices)) {
-        eng_refit_vertices(team->scene, chunks->ranges[i]);
+        if (!is_late(worker)) {
+            eng_refit_vertices(team->scene, chunks->ranges[i]);
+        }
         /* Release: pairs with the acquire of the wait. */
         atomic_fetch_add_explicit(&progress->vertices_done, 1, memory_order_acq_rel);
     }
@@ -346,18 +368,23 @@ static bool climb(struct eng_scene *scene, struct eng_refit_plan *plan, uint32_t
 }
 
 /* Parts of the second half that this thread has done: chunks of edges, the root. */
-static uint32_t rest_by_team(struct eng_team *team, struct eng_refit_plan *plan)
+static uint32_t rest_by_team(struct eng_team *team, struct eng_worker *worker,
+                             struct eng_refit_plan *plan)
 {
     uint32_t turn = 0;
     uint32_t done = 0;
     for (uint32_t i = next_root(team, plan, &turn); i < plan->root_count;
          i = next_root(team, plan, &turn)) {
-        eng_refit_subtree(team->scene, plan->roots[i]);
+        if (!is_late(worker)) {
+            eng_refit_subtree(team->scene, plan->roots[i]);
+        }
         done += climb(team->scene, plan, i);
     }
     for (uint32_t i = next(&team->refit.next_edges); i < plan->edges.count;
          i = next(&team->refit.next_edges)) {
-        eng_refit_edges(team->scene, plan->edges.ranges[i]);
+        if (!is_late(worker)) {
+            eng_refit_edges(team->scene, plan->edges.ranges[i]);
+        }
         done++;
     }
     return done;
@@ -376,11 +403,11 @@ bool eng_refit_by_team(struct eng_team *team, struct eng_worker *worker,
     assert(plan->root_count >= 1);
     /* team->count is not looked at: who ends the refit may be writing it already. */
     uint64_t begin_ns = common_now_ns();
-    vertices_by_team(team, plan);
+    vertices_by_team(team, worker, plan);
     record(worker, begin_ns);
     eng_wait_for(worker, &team->refit.vertices_done, plan->vertices.count);
     begin_ns = common_now_ns();
-    uint32_t done = rest_by_team(team, plan);
+    uint32_t done = rest_by_team(team, worker, plan);
     record(worker, begin_ns);
     if (done == 0) {
         return false;

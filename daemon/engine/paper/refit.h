@@ -150,12 +150,15 @@ void eng_refit_anew(struct eng_scene *scene, struct eng_range nodes);
 /* Make the boxes of the nodes of a subtree, which may hold nodes above objects. [any] */
 void eng_refit_subtree(struct eng_scene *scene, uint32_t root);
 
-/* Make all boxes of one object. By one thread. */
-void eng_refit_object(struct eng_scene *scene, const struct eng_object *object);
-/* Make all boxes of all objects and of the tree over them. By one thread. */
-void eng_refit(struct eng_scene *scene);
+/* Make all boxes of one object, by one thread. A step of `worker` that has to end leaves
+ * some as they are; NULL: there is none. */
+void eng_refit_object(struct eng_scene *scene, const struct eng_object *object,
+                      struct eng_worker *worker);
+/* Make all boxes of all objects and of the tree over them so. */
+void eng_refit(struct eng_scene *scene, struct eng_worker *worker);
 
-/* Make all boxes by all threads of the region, each of which calls it, as the plan says.
+/* Make all boxes by all threads of the region, each of which calls it, as the plan says;
+ * a step that has to end leaves some as they are.
  * True for the one thread that ended last, and sees every box (team.h says how it lets
  * the others go on). A thread that comes late holds nobody up: there is no barrier, work
  * is taken on demand. [team] */

@@ -133,6 +133,7 @@ struct eng_trees {
     uint64_t frames;      /* framing.number of the last step by `paper` */
     uint64_t thickness;   /* thickness.number in that step */
     uint64_t boxes_of;    /* the step whose boxes they are (moving.h); 0: of none */
+    bool boxes_are_old; /* that step had to end before they were made: some are older */
     bool has_foreign;     /* some objects have foreign features */
 
     struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
