@@ -12,6 +12,7 @@
 #include "prng.h"
 #include "sections.h"
 
+#define PI            3.14159265358979323846
 #define JOINTS_MAX    4000u
 #define BODIES_MAX    2000u
 #define SCENES        64u        /* of a batch */
@@ -33,6 +34,8 @@ struct late {
     struct late *other;       /* member of the scene, whose steps take along what this
                                  one holds; NULL: none does */
     uint64_t other_step;
+    struct pccd_near_settings near; /* of a question in the place of a step, if .. */
+    bool asks;                      /* .. it is one */
 };
 
 /* ---- bodies ------------------------------------------------------------------------ */
@@ -150,9 +153,8 @@ static uint32_t hinge(struct late *late, uint32_t parent, double angle)
 /* ---- scenes ------------------------------------------------------------------------ */
 
 /* Boxes in a heap, each of which flies and tumbles. */
-static void make_pile(struct late *late, bool smoke)
+static void make_boxes(struct late *late, uint32_t count)
 {
-    const uint32_t count = smoke ? 50 : BODIES_MAX;
     struct shape box = make_box(1);
     uint32_t mesh = register_shape(late, &box);
     double room = 2 * cbrt(count);
@@ -169,6 +171,11 @@ static void make_pile(struct late *late, bool smoke)
         turn(late, mesh, 8, joint(late, PCCD_JOINT_VECTOR, fly, value[2], value[3]));
     }
     free_shape(&box);
+}
+
+static void make_pile(struct late *late, bool smoke)
+{
+    make_boxes(late, smoke ? 50 : BODIES_MAX);
 }
 
 /* Two bodies of a million triangles, or fewer, in one place, one of which turns. */
@@ -245,6 +252,122 @@ static void make_straight(struct late *late, bool smoke)
     make_deforming(late, smoke ? 30 : 708);
 }
 
+static void make_straight_paper(struct late *late, bool smoke)
+{
+    late->settings.method = PCCD_METHOD_PAPER;
+    make_straight(late, smoke);
+}
+
+/* Records of 8 bytes, tens of millions of them. */
+static void make_pairs(struct late *late, bool smoke)
+{
+    late->settings.mode = PCCD_MODE_PAIRS;
+    make_straight(late, smoke);
+}
+
+/* Thicker than the cells are wide. */
+static void make_thick(struct late *late, bool smoke)
+{
+    late->settings.separation = smoke ? 0.1 : 0.01;
+    make_straight(late, smoke);
+}
+
+static void make_thick_chain(struct late *late, bool smoke)
+{
+    late->settings.separation = 0.05;
+    make_chain(late, smoke);
+}
+
+static void make_start(struct late *late, bool smoke)
+{
+    late->settings.tells_start = true;
+    make_straight(late, smoke);
+}
+
+/* Points that fly through a roll, as rays do. */
+static void make_cast(struct late *late, bool smoke)
+{
+    struct shape roll = make_roll(smoke ? 30 : 708), cloud = make_sheet(smoke ? 30 : 708);
+    uint32_t *points = bench_alloc(cloud.vertices, sizeof *points), mesh = 0;
+    const struct pccd_mesh_data data = {.x = cloud.x,
+                                        .format = PCCD_FORMAT_F64,
+                                        .vertex_count = cloud.vertices,
+                                        .points = points,
+                                        .point_count = cloud.vertices};
+    (void)add(late, register_shape(late, &roll));
+    late->x1[1] = bench_alloc(cloud.vertices, sizeof *cloud.x);
+    for (uint32_t v = 0; v < cloud.vertices; v++) {
+        double x[3] = {cloud.x[v][0], cloud.x[v][1], 2 + cloud.x[v][0]};
+        points[v] = v;
+        memcpy(late->x1[1][v], x, sizeof x);
+        x[2] = -2;
+        memcpy(cloud.x[v], x, sizeof x);
+    }
+    bench_must(pccd_mesh_put(late->client, &data, &mesh, NULL), "mesh", late->client);
+    late->motions[late->count++] = (struct pccd_motion){
+        .object = add(late, mesh), .count = cloud.vertices, .format = PCCD_FORMAT_F64};
+    late->x1[0] = cloud.x;
+    free(cloud.faces);
+    free(points);
+    free_shape(&roll);
+}
+
+/* ---- questions --------------------------------------------------------------------- */
+
+/* A torus in the place of a roll: it is closed. */
+static struct shape make_torus(uint32_t side)
+{
+    struct shape shape = make_sheet(side);
+    for (uint32_t v = 0; v < shape.vertices; v++) {
+        double a = PI * shape.x[v][0], b = PI * shape.x[v][1];
+        double radius = 1 + 0.3 * cos(b) + 0.001 * sin(40 * a) * sin(40 * b);
+        shape.x[v][0] = radius * cos(a);
+        shape.x[v][1] = radius * sin(a);
+        shape.x[v][2] = 0.3 * sin(b);
+    }
+    for (uint32_t i = 0; i < 3 * shape.triangles; i++) { /* its ends are one */
+        uint32_t *v = &shape.faces[i / 3][i % 3];
+        *v = *v / (side + 1) % side * (side + 1) + *v % (side + 1) % side;
+    }
+    return shape;
+}
+
+/* Ask about two of these, far into one another, which stand. */
+static void ask(struct late *late, bool smoke, enum pccd_near_what what, double distance)
+{
+    struct shape torus = make_torus(smoke ? 12 : 708);
+    (void)add(late, register_shape(late, &torus));
+    for (uint32_t v = 0; v < torus.vertices; v++) {
+        torus.x[v][0] += what == PCCD_NEAR_NEAREST ? 2.61 : 0.2;
+    }
+    (void)add(late, register_shape(late, &torus));
+    free_shape(&torus);
+    late->near = (struct pccd_near_settings)PCCD_NEAR_SETTINGS_INIT;
+    late->near.what = what;
+    late->near.distance = distance;
+    late->asks = true;
+}
+
+static void ask_pairs(struct late *late, bool smoke)
+{
+    ask(late, smoke, PCCD_NEAR_PAIRS, 0.01);
+}
+
+static void ask_vertices(struct late *late, bool smoke)
+{
+    ask(late, smoke, PCCD_NEAR_VERTICES, 0.01);
+}
+
+static void ask_nearest(struct late *late, bool smoke)
+{
+    ask(late, smoke, PCCD_NEAR_NEAREST, INFINITY);
+}
+
+static void ask_depth(struct late *late, bool smoke)
+{
+    ask(late, smoke, PCCD_NEAR_DEPTH, 0);
+}
+
 /* ---- batches ----------------------------------------------------------------------- */
 
 /* Have a batch of scenes; `make` makes one of them, all alike. */
@@ -294,6 +417,29 @@ static void make_small(struct late *late, bool smoke)
     make_deforming(late, smoke ? 10 : 90);
 }
 
+/* A part of a heap: those of all scenes have 10 240 boxes. */
+static void make_heap(struct late *late, bool smoke)
+{
+    make_boxes(late, smoke ? 10 : 160);
+}
+
+static void make_heaps(struct late *late, bool smoke)
+{
+    make_batch(late, smoke, make_heap);
+}
+
+static void make_arms_paper(struct late *late, bool smoke)
+{
+    late->settings.method = PCCD_METHOD_PAPER;
+    make_batch(late, smoke, make_arm);
+}
+
+static void make_smalls_paper(struct late *late, bool smoke)
+{
+    late->settings.method = PCCD_METHOD_PAPER;
+    make_batch(late, smoke, make_small);
+}
+
 static void make_arms(struct late *late, bool smoke)
 {
     make_batch(late, smoke, make_arm);
@@ -332,11 +478,28 @@ static const struct {
     const char *name;
     void (*make)(struct late *late, bool smoke);
 } scenes[] = {
-    {"pile of boxes", make_pile},   {"large twins", make_large},
-    {"undecided", make_undecided},  {"10^5 rad", make_often},
-    {"64 joints", make_chain},      {"straight", make_straight},
-    {"a batch of arms", make_arms}, {"a batch, straight", make_smalls},
+    {"pile of boxes", make_pile},
+    {"large twins", make_large},
+    {"undecided", make_undecided},
+    {"10^5 rad", make_often},
+    {"64 joints", make_chain},
+    {"straight", make_straight},
+    {"a batch of arms", make_arms},
+    {"a batch, straight", make_smalls},
     {"a held frame", make_held},
+    {"64 joints, thick", make_thick_chain},
+    {"straight, paper", make_straight_paper},
+    {"straight, thick", make_thick},
+    {"straight, its start", make_start},
+    {"straight, pairs", make_pairs},
+    {"points through it", make_cast},
+    {"a batch of heaps", make_heaps},
+    {"a batch of arms, paper", make_arms_paper},
+    {"a batch, straight, paper", make_smalls_paper},
+    {"near, pairs", ask_pairs},
+    {"near, vertices", ask_vertices},
+    {"nearest", ask_nearest},
+    {"depth", ask_depth},
 };
 
 /* ---- what is measured -------------------------------------------------------------- */
@@ -365,6 +528,14 @@ static uint64_t submit(struct late *late, uint64_t budget_ns)
     late->turn = 1 - late->turn;
     if (late->batch != NULL) {
         return submit_batch(late, &settings);
+    }
+    if (late->asks) {
+        struct pccd_near_settings near = late->near;
+        near.threads = settings.threads;
+        near.deadline_ns = budget_ns;
+        bench_must(pccd_submit_near(late->client, late->scene, NULL, 0, &near, &step),
+                   "submit", late->client);
+        return step;
     }
     settings.joints = late->joint_count > 0 ? late->joints : NULL;
     settings.joint_count = late->joint_count;
