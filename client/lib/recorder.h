@@ -59,15 +59,12 @@ int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
 
 typedef int (*cli_record_fn)(struct pccd_client *client, enum record_kind kind,
                              const struct record_part *parts, size_t count);
-/* Write a mesh by `add`. */
-int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
-                        const struct registry_shape *shape, cli_record_fn add);
+/* Write a shape by `add`: a MESH, or a GUEST, whose handle or handles `of` has. */
+int cli_record_put_shape(struct pccd_client *client, const struct record_mesh *of,
+                         const struct registry_shape *shape, cli_record_fn add);
 /* Write by `add` what an object is called; "": nothing any more. */
 int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t object,
                         const char *name, cli_record_fn add);
-/* Append an object with a shape of its own, in doubles. */
-int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
-                         const struct registry_shape *shape);
 /* Append a frame.submit or scene.near, with what it moves, in two parts, of which each
  * may be empty. A step without a number is another client's. */
 int cli_record_motion(struct pccd_client *client, int method,

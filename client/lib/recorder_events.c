@@ -92,7 +92,8 @@ void cli_record_mesh(struct pccd_client *client, uint32_t mesh,
                      const struct registry_shape *shape)
 {
     if (cli_record_is_on(client)) {
-        (void)cli_record_put_mesh(client, mesh, shape, add_or_turn);
+        (void)cli_record_put_shape(client, &(struct record_mesh){.mesh = mesh}, shape,
+                                   add_or_turn);
     }
 }
 

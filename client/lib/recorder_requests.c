@@ -10,44 +10,29 @@
 
 /* ---- shapes ------------------------------------------------------------------------ */
 
-/* Write what goes before a mesh. */
-static int put_before(struct pccd_client *client, const struct registry_shape *shape,
-                      cli_record_fn add)
-{
-    const struct record_radii radii = {.vertex_count = shape->vertex_count};
-    const struct record_part of_radii[] = {
-        {&radii, sizeof radii}, {shape->radii, shape->vertex_count * sizeof(double)}};
-    const struct record_free free = {.vertex_count = shape->vertex_count,
-                                     .edge_count = shape->edge_count,
-                                     .point_count = shape->point_count};
-    const struct record_part of_free[] = {
-        {&free, sizeof free},
-        {shape->edges, shape->edge_count * sizeof(uint32_t[2])},
-        {shape->points, shape->point_count * sizeof(uint32_t)}};
-    int status = shape->radii != NULL ? add(client, RECORD_RADII, of_radii, 2) : 0;
-
-    return status == 0 && shape->edge_count + shape->point_count > 0
-               ? add(client, RECORD_FREE, of_free, 3)
-               : status;
-}
-
-int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
-                        const struct registry_shape *shape, cli_record_fn add)
+int cli_record_put_shape(struct pccd_client *client, const struct record_mesh *of,
+                         const struct registry_shape *shape, cli_record_fn add)
 {
     static const uint8_t zeros[8];
-    const struct record_mesh head = {.mesh = mesh,
-                                     .format = shape->format,
-                                     .vertex_count = shape->vertex_count,
-                                     .triangle_count = shape->triangle_count};
+    struct record_mesh head = *of;
     size_t bytes = shape->vertex_count * common_vertex_bytes(shape->format);
     const struct record_part parts[] = {
         {&head, sizeof head},
         {shape->x, bytes},
         {zeros, (8 - bytes % 8) % 8},
-        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])}};
-    int status = put_before(client, shape, add);
+        {shape->radii, shape->radii != NULL ? shape->vertex_count * sizeof(double) : 0},
+        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])},
+        {shape->edges, shape->edge_count * sizeof(uint32_t[2])},
+        {shape->points, shape->point_count * sizeof(uint32_t)}};
 
-    return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
+    head.format = shape->format;
+    head.vertex_count = shape->vertex_count;
+    head.triangle_count = shape->triangle_count;
+    head.edge_count = shape->edge_count;
+    head.point_count = shape->point_count;
+    head.has_radii = shape->radii != NULL;
+    return add(client, head.mesh != 0 ? RECORD_MESH : RECORD_GUEST, parts,
+               sizeof parts / sizeof parts[0]);
 }
 
 int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t object,
@@ -58,22 +43,6 @@ int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t obj
     const struct record_part parts[] = {{&head, sizeof head}, {name, head.bytes}};
 
     return add(client, RECORD_NAME, parts, 2);
-}
-
-int cli_record_put_guest(struct pccd_client *client, uint32_t scene, uint32_t object,
-                         const struct registry_shape *shape)
-{
-    const struct record_guest head = {.scene = scene,
-                                      .object = object,
-                                      .vertex_count = shape->vertex_count,
-                                      .triangle_count = shape->triangle_count};
-    const struct record_part parts[] = {
-        {&head, sizeof head},
-        {shape->x, shape->vertex_count * sizeof(double[3])},
-        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])}};
-    int status = put_before(client, shape, cli_record_add);
-
-    return status != 0 ? status : cli_record_add(client, RECORD_GUEST, parts, 3);
 }
 
 /* ---- movements --------------------------------------------------------------------- */

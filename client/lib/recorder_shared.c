@@ -108,7 +108,9 @@ static int write_guest(struct pccd_client *client,
     shape.triangles = at + x_bytes + radii_bytes;
     shape.edges = (const uint8_t *)shape.triangles + triangle_bytes;
     shape.points = (const uint8_t *)shape.edges + edge_bytes;
-    return cli_record_put_guest(client, add->scene, add->want, &shape);
+    return cli_record_put_shape(
+        client, &(struct record_mesh){.scene = add->scene, .object = add->want}, &shape,
+        cli_record_add);
 }
 
 /* A whole entry: a request, written as if it were this client's own. The decoder is free:

@@ -47,7 +47,8 @@ static int write_meshes(struct pccd_client *client)
          mesh != NULL && status == 0; mesh = mesh->next) {
         const struct registry_shape shape = registry_mesh_shape(mesh);
 
-        status = cli_record_put_mesh(client, mesh->handle, &shape, cli_record_add);
+        status = cli_record_put_shape(client, &(struct record_mesh){.mesh = mesh->handle},
+                                      &shape, cli_record_add);
     }
     return status;
 }

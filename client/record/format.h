@@ -18,7 +18,7 @@
  * | kind | payload: a struct of payload.h, then |
  * |---|---|
  * | BEGIN | nothing |
- * | MESH | vertices (padded to 8), triangles: made, or replaced if it is known |
+ * | MESH | a shape: made, or replaced if it is known |
  * | SCENE, OBJECT, *_GONE, CANCEL, LOG, CLEARANCE, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
@@ -26,7 +26,7 @@
  * | RECORDS | records of an answer, if these were to be recorded |
  * | FILTER | nothing |
  * | PAIRS | uint32_t[2] each: handles of two objects |
- * | GUEST | vertices (double), triangles: added, or given another shape if it is there |
+ * | GUEST | a shape: added, or given another one if it is there |
  * | MOVE | as FRAME; it has no number, and no answer |
  * | NEAR | as FRAME, if anything moves; else nothing |
  * | NAME | UTF-8; empty: no name any more. Who does not know it shows none |
@@ -64,8 +64,6 @@
     X(GUEST, 17, "an object of a shared scene, with a shape of its own")                 \
     X(MOVE, 18, "another client has moved a shared scene on")                            \
     X(NEAR, 20, "it was asked what is near, after a movement or without")                \
-    X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
-    X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
     X(CLEARANCE, 28, "two objects have a clearance in the place of their radii")         \
     X(NAME, 29, "what an object is called")
 enum record_kind {

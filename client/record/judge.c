@@ -15,14 +15,12 @@
 /* The layout of the file, whatever the compiler. */
 static_assert(sizeof(struct record_chunk) == 48, "chunk");
 static_assert(sizeof(struct record_begin) == 56, "begin");
-static_assert(sizeof(struct record_mesh) == 16, "mesh");
+static_assert(sizeof(struct record_mesh) == 40, "mesh");
 static_assert(sizeof(struct record_scene) == 8, "scene");
 static_assert(sizeof(struct record_object) == 16, "object");
 static_assert(sizeof(struct record_place) == 16, "place");
 static_assert(sizeof(struct record_frame) == 176, "frame");
 static_assert(sizeof(struct record_joints) == 8, "joints");
-static_assert(sizeof(struct record_radii) == 8, "radii");
-static_assert(sizeof(struct record_free) == 16, "edges and points");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 360, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
@@ -30,7 +28,6 @@ static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(offsetof(struct record_filter, words) == RECORD_FILTER_BYTES, "filter");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
 static_assert(sizeof(struct record_clearance) == 24, "clearance");
-static_assert(sizeof(struct record_guest) == 16, "guest");
 static_assert(sizeof(struct record_name) == 16, "name");
 
 #define COUNT_MAX   2147483647u
@@ -82,51 +79,70 @@ static int judge_triangles(const uint8_t *triangles, uint32_t triangle_count,
     return PCCD_OK;
 }
 
-static int judge_guest(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+/* Judge the radii, edges and points of a shape. */
+static int judge_features(const uint8_t *payload, const struct record_mesh *head,
+                          char text[RECORD_TEXT_BYTES])
 {
-    struct record_guest guest;
-    uint64_t x_bytes;
+    const struct record_shape at = record_shape_of(head);
+
+    for (uint64_t i = at.radii; i < at.triangles; i += sizeof(double)) {
+        double radius;
+
+        memcpy(&radius, payload + i, sizeof radius);
+        if (!is_length(radius)) {
+            return bad(text, "a radius that cannot be one");
+        }
+    }
+    for (uint64_t i = at.edges; i < at.end; i += sizeof(uint32_t)) {
+        uint32_t vertex;
+
+        memcpy(&vertex, payload + i, sizeof vertex);
+        if (vertex >= head->vertex_count) {
+            return bad(text, "an edge or a point of a vertex that there is not");
+        }
+    }
+    return PCCD_OK;
+}
+
+static int judge_shape(const uint8_t *payload, uint64_t bytes,
+                       const struct record_mesh *head, char text[RECORD_TEXT_BYTES])
+{
     int status;
 
-    memcpy(&guest, payload, sizeof guest);
-    x_bytes = guest.vertex_count * sizeof(double[3]);
-    if (guest.object == 0 || guest.scene == 0 || guest.vertex_count == 0 ||
-        guest.vertex_count > COUNT_MAX || guest.triangle_count > COUNT_MAX ||
-        bytes != sizeof guest + x_bytes + guest.triangle_count * sizeof(uint32_t[3])) {
-        return bad(text,
-                   "an object of another length, or without handle, scene or shape");
+    if (head->format >= PCCD_FORMAT_COUNT || head->vertex_count == 0 ||
+        head->vertex_count > COUNT_MAX || head->triangle_count > COUNT_MAX ||
+        head->has_radii > 1) {
+        return bad(text, "a shape without vertices, or of unknown kind");
     }
-    status = judge_vertices((const uint8_t *)payload + sizeof guest, PCCD_FORMAT_F64,
-                            guest.vertex_count, text);
-    if (status != PCCD_OK) {
-        return status;
+    const struct record_shape at = record_shape_of(head);
+    if (bytes != at.end) {
+        return bad(text, "a shape of another length");
     }
-    return judge_triangles((const uint8_t *)payload + sizeof guest + x_bytes,
-                           guest.triangle_count, guest.vertex_count, text);
+    status = judge_vertices(payload + at.x, head->format, head->vertex_count, text);
+    status = status != PCCD_OK
+                 ? status
+                 : judge_triangles(payload + at.triangles, head->triangle_count,
+                                   head->vertex_count, text);
+    return status != PCCD_OK ? status : judge_features(payload, head, text);
+}
+
+static int judge_guest(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    struct record_mesh head;
+
+    memcpy(&head, payload, sizeof head);
+    return head.object == 0 || head.scene == 0
+               ? bad(text, "an object without handle or scene")
+               : judge_shape(payload, bytes, &head, text);
 }
 
 static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
-    struct record_mesh mesh;
-    uint64_t x_bytes;
-    int status;
+    struct record_mesh head;
 
-    memcpy(&mesh, payload, sizeof mesh);
-    if (mesh.mesh == 0 || mesh.format >= PCCD_FORMAT_COUNT || mesh.vertex_count == 0 ||
-        mesh.vertex_count > COUNT_MAX || mesh.triangle_count > COUNT_MAX) {
-        return bad(text, "a mesh without handle or vertices");
-    }
-    x_bytes = padded(mesh.vertex_count * common_vertex_bytes(mesh.format));
-    if (bytes != sizeof mesh + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
-        return bad(text, "a mesh of another length");
-    }
-    status = judge_vertices((const uint8_t *)payload + sizeof mesh, mesh.format,
-                            mesh.vertex_count, text);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    return judge_triangles((const uint8_t *)payload + sizeof mesh + x_bytes,
-                           mesh.triangle_count, mesh.vertex_count, text);
+    memcpy(&head, payload, sizeof head);
+    return head.mesh == 0 ? bad(text, "a mesh without handle")
+                          : judge_shape(payload, bytes, &head, text);
 }
 
 static int judge_place(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
@@ -311,48 +327,6 @@ static int judge_object(const void *payload, uint64_t bytes, char text[RECORD_TE
                : bad(text, "an object without handle, scene or mesh");
 }
 
-static int judge_radii(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
-{
-    const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_radii);
-    struct record_radii radii;
-
-    memcpy(&radii, payload, sizeof radii);
-    if (bytes != sizeof radii + radii.vertex_count * sizeof(double)) {
-        return bad(text, "radii of another length");
-    }
-    for (uint32_t i = 0; i < radii.vertex_count; i++) {
-        double radius;
-
-        memcpy(&radius, at + i * sizeof radius, sizeof radius);
-        if (!is_length(radius)) {
-            return bad(text, "a radius that cannot be one");
-        }
-    }
-    return PCCD_OK;
-}
-
-static int judge_free(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
-{
-    const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_free);
-    struct record_free free;
-    uint64_t words;
-
-    memcpy(&free, payload, sizeof free);
-    words = 2 * (uint64_t)free.edge_count + free.point_count;
-    if (bytes != sizeof free + words * sizeof(uint32_t)) {
-        return bad(text, "edges and points of another length");
-    }
-    for (uint64_t i = 0; i < words; i++) {
-        uint32_t vertex;
-
-        memcpy(&vertex, at + i * sizeof vertex, sizeof vertex);
-        if (vertex >= free.vertex_count) {
-            return bad(text, "an edge or a point of a vertex that there is not");
-        }
-    }
-    return PCCD_OK;
-}
-
 static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_pairs);
@@ -421,9 +395,7 @@ static const struct form {
     [RECORD_PLACE] = HEAD(place),
     [RECORD_FRAME] = HEAD(frame),
     [RECORD_MOVE] = {sizeof(struct record_frame), false, judge_move},
-    [RECORD_RADII] = HEAD(radii),
-    [RECORD_FREE] = HEAD(free),
-    [RECORD_GUEST] = HEAD(guest),
+    [RECORD_GUEST] = {sizeof(struct record_mesh), false, judge_guest},
     [RECORD_RECORDS] = HEAD(records),
     [RECORD_NEAR] = HEAD(frame),
     [RECORD_PAIRS] = HEAD(pairs),
@@ -440,15 +412,11 @@ static struct form form_of(uint16_t kind)
 
 /* ---- how long a payload can be ----------------------------------------------------- */
 
-/* Return the most that lies behind the head of a MESH, GUEST, RADII, FREE, PAIRS, NAME or
- * records, at most. */
+/* Return the most that lies behind the head of a MESH, GUEST, PAIRS, NAME or records. */
 static uint64_t counted_bytes(uint16_t kind, const void *head)
 {
     union {
         struct record_mesh mesh;
-        struct record_guest guest;
-        struct record_radii radii;
-        struct record_free free;
         struct record_pairs pairs;
         struct record_name name;
         struct record_records records;
@@ -457,16 +425,8 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
     memcpy(&is, head, form_of(kind).head_bytes);
     switch (kind) {
     case RECORD_MESH:
-        return padded(is.mesh.vertex_count * common_vertex_bytes(is.mesh.format)) +
-               is.mesh.triangle_count * sizeof(uint32_t[3]);
     case RECORD_GUEST:
-        return is.guest.vertex_count * sizeof(double[3]) +
-               is.guest.triangle_count * sizeof(uint32_t[3]);
-    case RECORD_RADII:
-        return is.radii.vertex_count * sizeof(double);
-    case RECORD_FREE:
-        return (2 * (uint64_t)is.free.edge_count + is.free.point_count) *
-               sizeof(uint32_t);
+        return record_shape_of(&is.mesh).end - sizeof is.mesh;
     case RECORD_PAIRS:
         return is.pairs.count * sizeof(uint32_t[2]);
     case RECORD_NAME:

@@ -1,4 +1,4 @@
-/* payload.c - the attributes of an object, as FILTER has them; hashes of answers. */
+/* payload.c - shapes; the attributes of an object, as FILTER has them; hashes. */
 #include "payload.h"
 
 #include <assert.h>
@@ -7,6 +7,22 @@
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+
+#include "coordinates.h"
+
+struct record_shape record_shape_of(const struct record_mesh *head)
+{
+    struct record_shape at = {.x = sizeof *head};
+    uint64_t x_bytes = head->vertex_count * common_vertex_bytes(head->format);
+
+    at.radii = at.x + (x_bytes + 7) / 8 * 8;
+    at.triangles =
+        at.radii + (head->has_radii != 0) * head->vertex_count * sizeof(double);
+    at.edges = at.triangles + head->triangle_count * sizeof(uint32_t[3]);
+    at.points = at.edges + head->edge_count * sizeof(uint32_t[2]);
+    at.end = at.points + head->point_count * sizeof(uint32_t);
+    return at;
+}
 
 void record_filter_make(struct record_filter *filter, uint32_t scene, uint32_t object,
                         uint32_t what, const struct common_attributes *given)

@@ -26,11 +26,19 @@ struct record_begin {
     char cpu[16];     /* instruction set of the daemon */
 };
 
+/* A MESH; or a GUEST, an object with a mesh that nobody else has. Its shape follows:
+ * vertices (padded to 8), radii (double), triangles, edges and points that it names by
+ * themselves (uint32_t [3], [2], [1]). */
 struct record_mesh {
-    uint32_t mesh;
+    uint32_t mesh;   /* GUEST: 0 */
     uint32_t format; /* enum pccd_format */
     uint32_t vertex_count;
     uint32_t triangle_count;
+    uint32_t edge_count;
+    uint32_t point_count;
+    uint32_t has_radii;     /* 0, 1: one for each vertex */
+    uint32_t scene, object; /* of a GUEST */
+    uint32_t reserved;
 };
 
 struct record_scene {
@@ -56,18 +64,6 @@ struct record_place {
 struct record_log {
     uint64_t next_step;
 };
-struct record_radii { /* and a double for each vertex */
-    uint32_t vertex_count;
-    uint32_t reserved;
-};
-
-struct record_free { /* and u32[2] an edge, u32 a point */
-    uint32_t vertex_count;
-    uint32_t edge_count;
-    uint32_t point_count;
-    uint32_t reserved;
-};
-
 /* A step, or of NEAR a question about what is near, as it was asked; they are numbered
  * together, and a CANCEL names either. What the other one alone has is 0. */
 struct record_frame {
@@ -187,13 +183,6 @@ struct record_name { /* and its bytes, without a NUL */
     uint32_t reserved;
 };
 
-struct record_guest {
-    uint32_t scene;
-    uint32_t object;
-    uint32_t vertex_count;
-    uint32_t triangle_count;
-};
-
 struct record_cancel {
     uint64_t step;
 };
@@ -211,6 +200,14 @@ struct record_end {
     uint32_t reserved;
     uint64_t frames; /* of this segment */
 };
+
+/* ---- shapes ------------------------------------------------------------------------ */
+
+/* Where the parts of a shape begin behind its head, in bytes, and where it ends. */
+struct record_shape {
+    uint64_t x, radii, triangles, edges, points, end;
+};
+struct record_shape record_shape_of(const struct record_mesh *head);
 
 /* ---- FILTER ------------------------------------------------------------------------ */
 

@@ -223,15 +223,11 @@ static int read_header(struct record_reader *reader, struct record_chunk *chunk)
 static void note_vertices(struct record_reader *reader, uint16_t kind)
 {
     struct record_mesh mesh;
-    struct record_guest guest;
     uint32_t count = 0;
 
-    if (kind == RECORD_MESH) {
+    if (kind == RECORD_MESH || kind == RECORD_GUEST) {
         memcpy(&mesh, reader->payload, sizeof mesh);
         count = mesh.vertex_count;
-    } else if (kind == RECORD_GUEST) {
-        memcpy(&guest, reader->payload, sizeof guest);
-        count = guest.vertex_count;
     }
     reader->vertex_count_max =
         count > reader->vertex_count_max ? count : reader->vertex_count_max;

@@ -417,8 +417,4 @@ void registry_deinit(struct registry *registry)
         registry_mesh_free(mesh);
     }
     registry_map_deinit(&registry->scene_map);
-    free(registry->next_radii);
-    free(registry->next_free);
-    registry->next_radii = NULL;
-    registry->next_free = NULL;
 }

@@ -169,9 +169,6 @@ struct registry {
     struct registry_scene *scenes;
     struct registry_scene *last_scene; /* of these; NULL: there are none */
     struct registry_map scene_map;     /* of pointers to them, by handle */
-    /* Recordings: payloads of RADII and FREE, of the mesh that comes next; NULL: none. */
-    void *next_radii;
-    void *next_free;
 };
 
 /* Return a mesh that is a copy of a shape, and that no registry has yet; NULL: no

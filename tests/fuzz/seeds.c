@@ -640,7 +640,8 @@ static void make_record_seeds(void)
         struct record_mesh head;
         float x[4][3];
         uint32_t triangle[3];
-    } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{1, 2, 3}}, {0, 1, 3}};
+    } mesh = {
+        {.mesh = 1, .vertex_count = 4, .triangle_count = 1}, {{1, 2, 3}}, {0, 1, 3}};
     const struct {
         struct record_place head;
         double m[12];
@@ -669,7 +670,7 @@ static void make_record_seeds(void)
     put_u8(2);
     put_chunk(RECORD_BEGIN, &hello, sizeof hello, "", 0);
     put_chunk(RECORD_SCENE, &scene, sizeof scene, "", 0);
-    put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
+    put_chunk(RECORD_MESH, &mesh.head, sizeof mesh.head, mesh.x, 60);
     put_chunk(RECORD_OBJECT, &object, sizeof object, "", 0);
     put_chunk(RECORD_NAME, &name, sizeof name, "sleeve", name.bytes);
     put_chunk(RECORD_PLACE, &place.head, 16, place.m, 96);
@@ -685,7 +686,7 @@ static void make_record_seeds(void)
     put_chunk(RECORD_NEAR, &near, sizeof near, &frame.segment, 224);
     put_chunk(RECORD_ANSWER, &told, sizeof told, "", 0);
     put_chunk(RECORD_RECORDS, &records, sizeof records, &record, sizeof record);
-    put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
+    put_chunk(RECORD_MESH, &mesh.head, sizeof mesh.head, mesh.x, 60);
     put_chunk(RECORD_MESH_GONE, &gone, sizeof gone, "", 0);
     put_chunk(RECORD_OBJECT_GONE, &gone, sizeof gone, "", 0);
     put_chunk(RECORD_SCENE_GONE, &gone, sizeof gone, "", 0);

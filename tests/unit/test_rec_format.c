@@ -36,7 +36,7 @@ static void write_file(int level)
 {
     struct record_writer writer = {.fd = -1, .level = level};
     struct record_begin begin = {.pid = 3, .library = "0.1.0"};
-    struct record_mesh mesh = {1, PCCD_FORMAT_F32, 64, 2};
+    struct record_mesh mesh = {.mesh = 1, .vertex_count = 64, .triangle_count = 2};
     struct record_scene scene = {.scene = 5};
     struct record_object object = {5, 1, 9, 0};
     struct record_log log = {.next_step = 1};
@@ -284,7 +284,7 @@ CASE(payloads__are_refused_with_indices_out_of_range)
         struct record_mesh head;
         float x[4][3];
         uint32_t triangles[1][3];
-    } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{0}}, {{0, 1, 2}}};
+    } mesh = {{.mesh = 1, .vertex_count = 4, .triangle_count = 1}, {{0}}, {{0, 1, 2}}};
     struct {
         struct record_frame head;
         struct record_segment segment;
@@ -371,11 +371,10 @@ static int read_zeros(uint16_t kind, const void *head, size_t head_bytes, size_t
 CASE(chunks__take_no_more_memory_than_they_count)
 {
     const size_t large = (size_t)64 << 20;
-    const struct record_mesh mesh = {1, PCCD_FORMAT_F32, 4, 1};
-    const struct record_guest guest = {1, 1, 4, 1};
+    const struct record_mesh mesh = {.mesh = 1, .vertex_count = 4, .triangle_count = 1};
+    const struct record_mesh guest = {
+        .vertex_count = 4, .edge_count = 1, .point_count = 1, .has_radii = 1};
     const struct record_pairs pairs = {.scene = 1, .count = 1};
-    const struct record_radii radii = {.vertex_count = 4};
-    const struct record_free free_ = {.vertex_count = 4, .point_count = 1};
     const struct record_records records = {.step = 1, .count = 1, .record_bytes = 64};
     const struct record_records nears = {.step = 1, .count = 1, .record_bytes = 64};
     const struct record_place place = {1, 1, RECORD_PLACED_FREELY, PCCD_FORMAT_F32};
@@ -390,8 +389,6 @@ CASE(chunks__take_no_more_memory_than_they_count)
     } counted[] = {{RECORD_MESH, &mesh, sizeof mesh},
                    {RECORD_GUEST, &guest, sizeof guest},
                    {RECORD_PAIRS, &pairs, sizeof pairs},
-                   {RECORD_RADII, &radii, sizeof radii},
-                   {RECORD_FREE, &free_, sizeof free_},
                    {RECORD_NAME, &name, sizeof name},
                    {RECORD_RECORDS, &records, sizeof records},
                    {RECORD_RECORDS, &nears, sizeof nears},
@@ -441,15 +438,29 @@ CASE(payloads__have_handles_and_coordinates)
     const struct record_scene scene = {.scene = 5};
     const struct record_object object = {5, 1, 9, 0};
     struct {
-        struct record_guest head;
-        double x[4][3];
-        uint32_t triangles[1][3];
-    } guest = {{1, 1, 4, 1}, {{0}}, {{0, 1, 2}}};
+        struct record_mesh head;
+        double x[4][3], radii[4];
+        uint32_t triangles[1][3], edge[2], point[1];
+    } guest = {{.format = PCCD_FORMAT_F64,
+                .vertex_count = 4,
+                .triangle_count = 1,
+                .edge_count = 1,
+                .point_count = 1,
+                .has_radii = 1,
+                .scene = 1,
+                .object = 1},
+               {{0}},
+               {0},
+               {{0, 1, 2}},
+               {2, 3},
+               {3}};
+    const size_t scene_at = offsetof(struct record_mesh, scene);
+    const size_t edge_at = offsetof(struct record_mesh, reserved) + 4 + 96 + 32 + 12;
     struct {
         struct record_mesh head;
         float x[4][3];
         uint32_t triangles[1][3];
-    } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{0}}, {{0, 1, 2}}};
+    } mesh = {{.mesh = 1, .vertex_count = 4, .triangle_count = 1}, {{0}}, {{0, 1, 2}}};
     const uint32_t nan = 0x7fc00000, high = 0x7ff80000;
 
     assert_int_equal(judge_with(RECORD_SCENE, &scene, sizeof scene, 0, 5), 0);
@@ -458,14 +469,22 @@ CASE(payloads__have_handles_and_coordinates)
     for (size_t at = 0; at < 12; at += 4) {
         assert_int_not_equal(judge_with(RECORD_OBJECT, &object, sizeof object, at, 0), 0);
     }
-    assert_int_equal(judge_with(RECORD_GUEST, &guest, sizeof guest.head + 108, 0, 1), 0);
-    assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest.head + 108, 0, 0),
-                         0);
+    assert_ok(judge_with(RECORD_GUEST, &guest, sizeof guest, scene_at, 1));
+    for (size_t at = scene_at; at < scene_at + 8; at += 4) { /* and the object */
+        assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest, at, 0), 0);
+    }
+    for (size_t at = edge_at; at < sizeof guest; at += 4) {
+        assert_ok(judge_with(RECORD_GUEST, &guest, sizeof guest, at, 2));
+        assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest, at, 4), 0);
+    }
+    assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest,
+                                    sizeof guest.head + 96 + 4, 0xbff00000u),
+                         0); /* a radius */
     for (size_t i = 0; i < 12; i++) {
         assert_int_not_equal(
             judge_with(RECORD_MESH, &mesh, sizeof mesh, sizeof mesh.head + 4 * i, nan),
             0);
-        assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest.head + 108,
+        assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest,
                                         sizeof guest.head + 8 * i + 4, high),
                              0);
     }

@@ -52,63 +52,32 @@ static int find_object(const struct registry *state, uint32_t in, uint32_t handl
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
-/* The mesh of a MESH or GUEST, whose positions are at x and its triangles behind them,
- * with what chunks before it have said of it: radii, edges, points. */
-static struct registry_shape shape_of(const struct registry *state, uint32_t format,
-                                      uint32_t vertex_count, uint32_t triangle_count,
-                                      const uint8_t *x)
+/* Copy the mesh of a MESH or GUEST; its head goes to *head. NULL: no memory. */
+static struct registry_mesh *copy_mesh(const struct record_view *view,
+                                       struct record_mesh *head)
 {
-    size_t x_bytes = vertex_count * common_vertex_bytes(format);
-    struct registry_shape shape = {.format = format,
-                                   .vertex_count = vertex_count,
-                                   .triangle_count = triangle_count,
-                                   .x = x,
-                                   .triangles = x + (x_bytes + 7) / 8 * 8};
-    const struct record_radii *radii = state->next_radii;
-    const struct record_free *named = state->next_free;
-    if (radii != NULL && radii->vertex_count == vertex_count) {
-        shape.radii = radii + 1;
-    }
-    if (named != NULL && named->vertex_count == vertex_count) {
-        shape.edge_count = named->edge_count;
-        shape.point_count = named->point_count;
-        shape.edges = named + 1;
-        shape.points =
-            (const uint8_t *)shape.edges + named->edge_count * sizeof(uint32_t[2]);
-    }
-    return shape;
-}
-
-static void forget_next(struct registry *state)
-{
-    free(state->next_radii);
-    free(state->next_free);
-    state->next_radii = NULL;
-    state->next_free = NULL;
-}
-
-/* Keep a copy of a payload until the mesh comes that it is of. */
-static int keep_next(void **next, const struct record_view *view, struct ctl_error *error)
-{
-    free(*next);
-    *next = malloc(view->bytes);
-    if (*next == NULL) {
-        return no_memory(error);
-    }
-    memcpy(*next, view->payload, view->bytes);
-    return PCCD_OK;
+    const uint8_t *payload = view->payload;
+    memcpy(head, payload, sizeof *head);
+    const struct record_shape at = record_shape_of(head);
+    const struct registry_shape shape = {
+        .format = head->format,
+        .vertex_count = head->vertex_count,
+        .triangle_count = head->triangle_count,
+        .edge_count = head->edge_count,
+        .point_count = head->point_count,
+        .x = payload + at.x,
+        .radii = head->has_radii != 0 ? payload + at.radii : NULL,
+        .triangles = payload + at.triangles,
+        .edges = payload + at.edges,
+        .points = payload + at.points};
+    return registry_mesh_copy(&shape);
 }
 
 static int follow_mesh(struct registry *state, const struct record_view *view,
                        struct ctl_error *error)
 {
-    const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
     struct record_mesh head;
-    memcpy(&head, view->payload, sizeof head);
-    const struct registry_shape shape =
-        shape_of(state, head.format, head.vertex_count, head.triangle_count, x);
-    struct registry_mesh *copy = registry_mesh_copy(&shape);
-    forget_next(state);
+    struct registry_mesh *copy = copy_mesh(view, &head);
     return copy != NULL && registry_put_mesh(state, head.mesh, copy, 0) == 0
                ? PCCD_OK
                : no_memory(error);
@@ -281,18 +250,14 @@ static int follow_object(struct registry *state, const struct record_view *view,
 static int follow_guest(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
-    const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_guest);
-    struct record_guest head;
+    struct record_mesh head;
     struct registry_scene *scene;
     memcpy(&head, view->payload, sizeof head);
     int status = find_scene(state, head.scene, &scene, error);
     if (status != PCCD_OK) {
         return status;
     }
-    const struct registry_shape shape =
-        shape_of(state, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
-    struct registry_mesh *copy = registry_mesh_copy(&shape);
-    forget_next(state);
+    struct registry_mesh *copy = copy_mesh(view, &head);
     struct registry_object *object =
         copy != NULL ? registry_put_guest(state, scene, head.object, copy) : NULL;
     if (object == NULL) {
@@ -465,10 +430,6 @@ int recorded_state_follow(struct registry *state, const struct record_view *view
                           struct ctl_error *error)
 {
     switch (view->kind) {
-    case RECORD_RADII:
-        return keep_next(&state->next_radii, view, error);
-    case RECORD_FREE:
-        return keep_next(&state->next_free, view, error);
     case RECORD_MESH:
         return follow_mesh(state, view, error);
     case RECORD_SCENE:
