@@ -112,7 +112,7 @@ libengine_la_SOURCES = \
     daemon/engine/turning/rotation.c \
     daemon/engine/turning/stage_turning.c \
     daemon/engine/turning/straight.c \
-    daemon/engine/turning/sweep.c \
+    daemon/engine/turning/sweep_sets.c \
     daemon/engine/turning/turning.c \
     daemon/engine/turning/turning_step.c \
     daemon/engine/answer.c \

@@ -206,7 +206,7 @@ static bool should_stop(void *owner)
 static struct hunt *hunt_new(void)
 {
     struct hunt *hunt = test_room(sizeof *hunt);
-    assert_ok(eng_sweep_init(&hunt->sweep));
+    assert_ok(eng_sweep()->init(&hunt->sweep));
     assert_ok(eng_distances_init(&hunt->distances));
     hunt->sweep.take = take;
     hunt->sweep.should_stop = should_stop;
@@ -227,7 +227,7 @@ static void hunt_free(struct hunt *hunt)
         eng_body_deinit(&hunt->body[i]);
         eng_mesh_release(hunt->mesh[i]);
     }
-    eng_sweep_deinit(&hunt->sweep);
+    eng_sweep()->deinit(&hunt->sweep);
     eng_distances_deinit(&hunt->distances);
     free(hunt);
 }
@@ -236,7 +236,7 @@ static void hunt_begin(struct hunt *hunt)
 {
     eng_poses_begin(&hunt->poses, &hunt->path);
     hunt->found_count = 0;
-    eng_sweep_begin(&hunt->sweep);
+    eng_sweep()->begin(&hunt->sweep);
 }
 
 static int compare(const void *a, const void *b)
@@ -385,7 +385,28 @@ static void random_joints(struct prng *random, struct pccd_joint *joints, uint32
     }
 }
 
-/* If it failed: contacts would be missed. */
+/* All instruction sets find the same, in the same spans. */
+static void check_sets(struct hunt *hunt)
+{
+    const uint32_t count = hunt->found_count;
+    struct eng_sweep_pair *found = test_room((count + 1) * sizeof *found);
+    memcpy(found, hunt->found, count * sizeof *found);
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        if (eng_kernels_of((enum eng_isa)isa)) {
+            hunt_begin(hunt);
+            assert_ok(eng_sweep_of((enum eng_isa)isa)->run(&hunt->sweep, ENG_SWEEP_ALL));
+            assert_int_equal(hunt->found_count, count);
+            for (uint32_t i = 0; i < count; i++) {
+                assert_int_equal(compare(&hunt->found[i], &found[i]), 0);
+                assert_true(hunt->found[i].span[0] == found[i].span[0]);
+                assert_true(hunt->found[i].span[1] == found[i].span[1]);
+            }
+        }
+    }
+    free(found);
+}
+
+/* If it failed: contacts would be missed, or depend on the processor. */
 CASE(sweep__finds_all_that_comes_near)
 {
     struct prng random = {prng_seed()};
@@ -412,7 +433,8 @@ CASE(sweep__finds_all_that_comes_near)
         hunt->sweep.wants_free = true;
         hunt->sweep.fineness = 1e-6;
         hunt_begin(hunt);
-        assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+        assert_ok(eng_sweep()->run(&hunt->sweep, ENG_SWEEP_ALL));
+        check_sets(hunt);
         sort_found(hunt);
         for (int i = 0; i <= 24; i++) {
             check_moment(hunt, i / 24.0);
@@ -477,7 +499,7 @@ CASE(sweep__finds_what_comes_near_between_the_ends)
         hunt->sweep.keep = 1e-3;
         hunt->sweep.fineness = 1e-6;
         hunt_begin(hunt);
-        assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+        assert_ok(eng_sweep()->run(&hunt->sweep, ENG_SWEEP_ALL));
         assert_true(hunt->found_count > 8);
         sort_found(hunt);
         for (int i = 0; i <= 256; i++) {
@@ -512,16 +534,16 @@ CASE(tasks__have_each_pair_once)
     struct hunt *hunt = hunt_new();
     uint64_t tasks[64];
     hunt_sheets(hunt, 6, 0, 0.3);
-    assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+    assert_ok(eng_sweep()->run(&hunt->sweep, ENG_SWEEP_ALL));
     sort_found(hunt);
     uint32_t whole = hunt->found_count;
     struct eng_sweep_pair *all = test_copy(hunt->found, whole * sizeof *all);
     for (uint32_t most = 1; most <= 64; most *= 2) {
         hunt_begin(hunt);
-        uint32_t count = eng_sweep_split(&hunt->sweep, most, tasks);
+        uint32_t count = eng_sweep()->split(&hunt->sweep, most, tasks);
         assert_true(count >= 1 && count <= most && 4 * count >= most);
         for (uint32_t i = 0; i < count; i++) {
-            assert_ok(eng_sweep_run(&hunt->sweep, tasks[i]));
+            assert_ok(eng_sweep()->run(&hunt->sweep, tasks[i]));
         }
         sort_found(hunt);
         assert_int_equal(hunt->found_count, whole);
@@ -541,7 +563,7 @@ CASE(sweep__asks_often_whether_it_should_stop)
     struct hunt *hunt = hunt_new();
     hunt_sheets(hunt, 24, 0, 100);
     hunt->stop_at = 50;
-    assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+    assert_ok(eng_sweep()->run(&hunt->sweep, ENG_SWEEP_ALL));
     assert_int_equal(hunt->asked, 50);
     assert_true(hunt->looks_most <= 5 * 2048);
     hunt_free(hunt);
@@ -553,7 +575,7 @@ CASE(sweep__is_short_where_there_is_a_clearance)
 {
     struct hunt *hunt = hunt_new();
     hunt_sheets(hunt, 32, 0.05, 1);
-    assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+    assert_ok(eng_sweep()->run(&hunt->sweep, ENG_SWEEP_ALL));
     assert_int_equal(hunt->found_count, 0);
     print_message("# %llu tests of boxes\n", (unsigned long long)hunt->sweep.box_tests);
     assert_true(hunt->sweep.box_tests < 100);
@@ -582,7 +604,7 @@ CASE(sweep__is_short_for_the_smallest_bodies)
     hunt->sweep.fineness = 1e-306;
     hunt_begin(hunt);
     hunt->sweep.tests_most = 100000;
-    assert_ok(eng_sweep_run(&hunt->sweep, ENG_SWEEP_ALL));
+    assert_ok(eng_sweep()->run(&hunt->sweep, ENG_SWEEP_ALL));
     assert_true(hunt->found_count > 0);
     assert_true(hunt->sweep.box_tests < 1000);
     hunt_free(hunt);

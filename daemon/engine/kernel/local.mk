@@ -19,7 +19,8 @@ kernel_sources = \
     daemon/engine/kernel/sift.c \
     daemon/engine/kernel/sift_near.c \
     daemon/engine/kernel/table.c \
-    daemon/engine/kernel/within.c
+    daemon/engine/kernel/within.c \
+    daemon/engine/turning/sweep.c
 kernel_cppflags = $(PCCD_CPPFLAGS) $(ENGINE_CPPFLAGS)
 # The loops are short and everything in them is inlined: what -O3 adds is unrolling.
 kernel_cflags = $(AM_CFLAGS) -fno-trapping-math -fno-math-errno $(PCCD_KERNEL_CFLAGS)
@@ -93,16 +94,17 @@ demo-programs:
 	$(MAKE) $(AM_MAKEFLAGS) pccdd$(EXEEXT) pccdctl$(EXEEXT) kernel_libraries="$$some"
 .PHONY: demo-programs
 
+kernel_absent = daemon/engine/kernel/absent.c daemon/engine/turning/sweep_absent.c
 if X86_64
 demo_kernels += sse2 sse4 avx2 avx512
 EXTRA_LTLIBRARIES += libkernel_no_sse2.la libkernel_no_sse4.la libkernel_no_avx2.la \
     libkernel_no_avx512.la
-libkernel_no_sse2_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_sse2_la_SOURCES = $(kernel_absent)
 libkernel_no_sse2_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=sse2
-libkernel_no_sse4_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_sse4_la_SOURCES = $(kernel_absent)
 libkernel_no_sse4_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=sse4
-libkernel_no_avx2_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_avx2_la_SOURCES = $(kernel_absent)
 libkernel_no_avx2_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=avx2
-libkernel_no_avx512_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_avx512_la_SOURCES = $(kernel_absent)
 libkernel_no_avx512_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=avx512
 endif

@@ -1,4 +1,5 @@
-/* sweep.c - two trees against each other, over spans of time. */
+/* sweep.c - two trees against each other, over spans of time; compiled once for every
+ * instruction set, as kernels are (kernel/local.mk). */
 #include "sweep.h"
 
 #include <math.h>
@@ -1328,21 +1329,21 @@ static void join(struct eng_sweep *sweep, const struct item *a, const struct ite
 
 /* ---- all of it --------------------------------------------------------------------- */
 
-int eng_sweep_init(struct eng_sweep *sweep)
+static int init(struct eng_sweep *sweep)
 {
     memset(sweep, 0, sizeof *sweep);
     sweep->frames = eng_alloc(1, sizeof *sweep->frames);
     return sweep->frames ? PCCD_OK : PCCD_E_NOMEM;
 }
 
-void eng_sweep_deinit(struct eng_sweep *sweep)
+static void deinit(struct eng_sweep *sweep)
 {
     eng_free(sweep->frames);
     eng_free(sweep->spans);
     memset(sweep, 0, sizeof *sweep);
 }
 
-uint64_t eng_sweep_bytes(const struct eng_sweep *sweep)
+static uint64_t bytes_of(const struct eng_sweep *sweep)
 {
     return sizeof *sweep->frames +
            (uint64_t)sweep->span_capacity * sizeof *sweep->spans;
@@ -1359,7 +1360,7 @@ static double reach_of(const struct eng_body *body)
     return reach;
 }
 
-void eng_sweep_begin(struct eng_sweep *sweep)
+static void begin(struct eng_sweep *sweep)
 {
     const struct eng_path_box *box = &sweep->body[1]->box;
     sweep->size = eng_most(eng_size(box->lo), eng_size(box->hi));
@@ -1461,13 +1462,13 @@ static uint32_t divide(void *owner, uint64_t task, uint64_t parts[4])
     return count;
 }
 
-uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks)
+static uint32_t split(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks)
 {
     begin_run(sweep);
     return eng_body_split(limit, tasks, divide, sweep);
 }
 
-int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)
+static int run(struct eng_sweep *sweep, uint64_t task)
 {
     struct item a = item_of(sweep, 0, (uint32_t)(task >> 32));
     struct item b = item_of(sweep, 1, (uint32_t)task);
@@ -1477,3 +1478,6 @@ int eng_sweep_run(struct eng_sweep *sweep, uint64_t task)
     }
     return sweep->status;
 }
+
+const struct eng_sweep_calls ENG_SWEEP(ENG_ISA) = {init,  deinit, bytes_of,
+                                                   begin, split,  run};

@@ -12,6 +12,7 @@
 #define ENG_SWEEP_H
 
 #include "body_tree.h"
+#include "isa.h"
 #include "poses.h"
 
 /* A pair of features that may come within `keep` of each other, in `span` at most. */
@@ -65,22 +66,37 @@ struct eng_sweep {
     bool has_roots;      /* they are there */
 };
 
-/* Make and free what is kept from one pair of bodies to the next. PCCD_E_NOMEM. */
-int eng_sweep_init(struct eng_sweep *sweep);
-void eng_sweep_deinit(struct eng_sweep *sweep);
-uint64_t eng_sweep_bytes(const struct eng_sweep *sweep);
-
-/* Get ready for two bodies, when what the caller sets is set. */
-void eng_sweep_begin(struct eng_sweep *sweep);
-
-/* Divide the work into at most `limit` >= 1 tasks, each a child of a node of either side;
- * returns how many. */
-uint32_t eng_sweep_split(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks);
-
 #define ENG_SWEEP_ALL 0u /* a task: both trees */
 
-/* Find the pairs of a task: each once, whichever spans it may meet in. PCCD_E_LIMIT: it
- * took too many tests; PCCD_E_NOMEM. */
-int eng_sweep_run(struct eng_sweep *sweep, uint64_t task);
+/* Calls, as an instruction set does them. */
+struct eng_sweep_calls {
+    /* Make and free what is kept from one pair of bodies to the next. PCCD_E_NOMEM. */
+    int (*init)(struct eng_sweep *sweep);
+    void (*deinit)(struct eng_sweep *sweep);
+    uint64_t (*bytes)(const struct eng_sweep *sweep);
+
+    /* Get ready for two bodies, when what the caller sets is set. */
+    void (*begin)(struct eng_sweep *sweep);
+
+    /* Divide the work into at most `limit` >= 1 tasks, each a child of a node of either
+     * side; returns how many. */
+    uint32_t (*split)(struct eng_sweep *sweep, uint32_t limit, uint64_t *tasks);
+
+    /* Find the pairs of a task: each once, whichever spans it may meet in. PCCD_E_LIMIT:
+     * it took too many tests; PCCD_E_NOMEM. */
+    int (*run)(struct eng_sweep *sweep, uint64_t task);
+};
+
+#define ENG_SWEEP2(isa) eng_##isa##_sweep
+#define ENG_SWEEP(isa)  ENG_SWEEP2(isa)
+
+/* Those of each set; of one that was not built there are none. */
+extern const struct eng_sweep_calls eng_scalar_sweep, eng_sse2_sweep, eng_sse4_sweep,
+    eng_avx2_sweep, eng_avx512_sweep, eng_neon_sweep;
+
+/* Return those of a set that this processor and build have, those of the one in use. All
+ * of them find the same. */
+const struct eng_sweep_calls *eng_sweep_of(enum eng_isa isa);
+const struct eng_sweep_calls *eng_sweep(void);
 
 #endif

@@ -38,7 +38,7 @@ int eng_turning_make(struct eng_turning **turning)
     if (!made) {
         return PCCD_E_NOMEM;
     }
-    int status = eng_sweep_init(&made->sweep);
+    int status = eng_sweep()->init(&made->sweep);
     if (status != PCCD_OK) {
         eng_free(made);
         return status;
@@ -50,14 +50,14 @@ int eng_turning_make(struct eng_turning **turning)
 void eng_turning_free(struct eng_turning *turning)
 {
     if (turning) {
-        eng_sweep_deinit(&turning->sweep);
+        eng_sweep()->deinit(&turning->sweep);
         eng_free(turning);
     }
 }
 
 uint64_t eng_turning_bytes(const struct eng_turning *turning)
 {
-    return turning ? sizeof *turning + eng_sweep_bytes(&turning->sweep) : 0;
+    return turning ? sizeof *turning + eng_sweep()->bytes(&turning->sweep) : 0;
 }
 
 /* ---- two objects ------------------------------------------------------------------- */
@@ -188,7 +188,7 @@ int eng_turning_begin(struct eng_turning *turning,
     sweep->take = take;
     sweep->should_stop = should_stop;
     sweep->owner = turning;
-    eng_sweep_begin(sweep);
+    eng_sweep()->begin(sweep);
     return PCCD_OK;
 }
 
@@ -369,7 +369,7 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
     turning->worker = worker;
     turning->is_bounded = false; /* the tasks are the same whatever has been found */
     take_bound(turning);
-    *count = eng_sweep_split(&turning->sweep, most, tasks);
+    *count = eng_sweep()->split(&turning->sweep, most, tasks);
     return turning->sweep.status;
 }
 
@@ -388,7 +388,7 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
     turning->has_limit = false;
     turning->is_bounded = true;
     take_bound(turning);
-    int status = eng_sweep_run(sweep, task);
+    int status = eng_sweep()->run(sweep, task);
     count(turning);
     return status == PCCD_OK && turning->has_limit ? PCCD_E_LIMIT : status;
 }
@@ -404,7 +404,7 @@ bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
     take_bound(turning);
     const uint64_t tests_most = sweep->tests_most;
     sweep->tests_most = tests;
-    int status = eng_sweep_run(sweep, ENG_TURNING_ALL);
+    int status = eng_sweep()->run(sweep, ENG_TURNING_ALL);
     sweep->tests_most = tests_most;
     turning->only_proves = false;
     count(turning);

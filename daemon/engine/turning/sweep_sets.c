@@ -1,0 +1,23 @@
+/* sweep_sets.c - which of the sets that sweep.c is compiled for. */
+#include "kernel.h"
+#include "sweep.h"
+
+const struct eng_sweep_calls *eng_sweep_of(enum eng_isa isa)
+{
+    static const struct eng_sweep_calls *const calls[ENG_ISA_COUNT] = {
+        [ENG_ISA_SCALAR] = &eng_scalar_sweep,
+#ifdef __x86_64__
+        [ENG_ISA_SSE2] = &eng_sse2_sweep,     [ENG_ISA_SSE4] = &eng_sse4_sweep,
+        [ENG_ISA_AVX2] = &eng_avx2_sweep,     [ENG_ISA_AVX512] = &eng_avx512_sweep,
+#endif
+#ifdef __aarch64__
+        [ENG_ISA_NEON] = &eng_neon_sweep,
+#endif
+    };
+    return calls[isa];
+}
+
+const struct eng_sweep_calls *eng_sweep(void)
+{
+    return eng_sweep_of(eng_kernels()->isa);
+}
