@@ -291,7 +291,8 @@ files="$top_srcdir/client/prometheus/pccd.rules.yml $top_srcdir/client/prometheu
 ctl metrics && sed -n 's/^\(pccd_[a-z_]*\)[ {].*/\1/p' out | sort -u >names &&
     # shellcheck disable=SC2086 # two files
     grep -oh 'pccd_[a-z_]*[a-z]' $files | sort -u >asked && [ "$(wc -l <asked)" -gt 20 ] &&
-    comm -23 asked names >"$log" && [ ! -s "$log" ] && says '^# TYPE pccd_memory_bytes_max gauge$'
+    comm -23 asked names >"$log" && [ ! -s "$log" ] && says '^# TYPE pccd_memory_bytes_max gauge$' &&
+    ! grep -E '^# HELP [a-z_]+ (of|that) |^# HELP .* these( |,|$)' out # each is read alone
 report metrics__have_what_alerts_and_charts_ask_for
 
 # If it failed, Prometheus would not load the alerts, or one would not tell of what it is for.

@@ -183,7 +183,7 @@ static const struct {
                     {"pccd_user_triangles", "triangles of the objects of a user"},
                     {"pccd_user_shared_bytes", "shared memory of a user"},
                     {"pccd_user_steps", "steps of a user's open sessions"},
-                    {"pccd_user_step_seconds", "seconds that these steps took"},
+                    {"pccd_user_step_seconds", "time of steps of a user's open sessions"},
                     {"pccd_user_errors", "error answers to a user's open sessions"}};
 
 static void add_session(void *context, const struct pccd_session_info *info)
@@ -269,9 +269,9 @@ static int print_all(FILE *to, struct pccd_client *client)
     if (status == PCCD_OK) {
         status = print_users(to, client);
     }
-    print_histogram(to, "pccd_step_duration_seconds", "of steps, as computed", &steps);
+    print_histogram(to, "pccd_step_duration_seconds", "time of a step, computed", &steps);
     print_histogram(to, "pccd_request_duration_seconds",
-                    "of requests, from arrival to answer", &requests);
+                    "time of a request, from arrival to answer", &requests);
     return status;
 }
 
