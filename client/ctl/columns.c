@@ -316,12 +316,12 @@ void columns_fit(struct column *columns, const void *rows, size_t row_bytes,
     }
 }
 
-void columns_print(const struct column *columns, const void *row, const char *begin,
-                   const char *end)
+/* Print what is shown of a row, or for NULL the heads. */
+static void print_row(const struct column *columns, const void *row)
 {
     char cell[CELL_BYTES];
     uint32_t blanks = 0; /* due before the next column: a line ends without any */
-    fputs(begin, stdout);
+    fputs(row == NULL ? terminal_begin(TERMINAL_BOLD) : "", stdout);
     for (const struct column *column = columns; !is_last(column); column++) {
         if (column->is_hidden || column->head == NULL) {
             continue;
@@ -336,7 +336,39 @@ void columns_print(const struct column *columns, const void *row, const char *be
         }
         blanks += (column->is_left ? filled : 0) + 1;
     }
-    printf("%s\n", end);
+    printf("%s\n", row == NULL ? terminal_end() : "");
+}
+
+/* Take what has been shown out of a table, but for the column of rank 1. Returns whether
+ * there was such a column, and another one is left. */
+static bool drop_shown(struct column *columns)
+{
+    bool was_shown = false, is_left = false;
+    for (struct column *column = columns; !is_last(column); column++) {
+        if (column->rank > 1) {
+            was_shown = was_shown || !column->is_hidden;
+            is_left = is_left || (column->is_hidden && column->width > 0);
+            column->rank = column->is_hidden ? column->rank : 0;
+        }
+    }
+    return was_shown && is_left;
+}
+
+void columns_table(const struct column *columns, const void *rows, size_t row_bytes,
+                   uint32_t count, bool continues)
+{
+    struct column shown[COLUMNS_MAX];
+    uint32_t column_count = 0;
+    while (!is_last(&columns[column_count++])) {
+    }
+    memcpy(shown, columns, column_count * sizeof *shown);
+    do {
+        columns_fit(shown, rows, row_bytes, count, room_of(stdout));
+        print_row(shown, NULL);
+        for (uint32_t i = 0; i < count; i++) {
+            print_row(shown, (const char *)rows + i * row_bytes);
+        }
+    } while (continues && drop_shown(shown) && putchar('\n') != EOF);
 }
 
 /* ---- for programs ------------------------------------------------------------------ */

@@ -71,10 +71,12 @@ struct column {
  * stands between two columns. The most important one is always shown. */
 void columns_fit(struct column *columns, const void *rows, size_t row_bytes,
                  uint32_t count, uint32_t room);
-/* Print a line on the standard output: what is shown of a row, or for NULL the heads. It
- * stands between `begin` and `end`, which take no room. */
-void columns_print(const struct column *columns, const void *row, const char *begin,
-                   const char *end);
+/* Print a table of `count` rows of so many bytes on the standard output. A terminal that
+ * has no room for all columns is shown the most important ones; if it `continues`, the
+ * others follow in tables below, each of which begins with the column of rank 1. */
+#define COLUMNS_MAX 160u
+void columns_table(const struct column *columns, const void *rows, size_t row_bytes,
+                   uint32_t count, bool continues);
 /* Set those members of an object that programs see. False: no memory. */
 bool columns_add(json_t *object, const struct column *columns, const void *row);
 /* Return an object with those members. NULL: no memory. */

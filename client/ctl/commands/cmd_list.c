@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "columns.h"
 #include "ctl.h"
@@ -12,9 +11,6 @@
 #include "output.h"
 #include "printable.h"
 #include "sessions.h"
-#include "terminal.h"
-
-#define COLUMNS_MAX 20u /* of a list, with the last one, which is none */
 
 enum what { SESSIONS, SCENES, OBJECTS, PAIRS, MESHES };
 
@@ -99,24 +95,8 @@ static void keep_row(struct printer *printer, const struct column *columns,
     printer->row_bytes = bytes;
 }
 
-/* Print the table: as wide as it has to be, on a terminal without what has no room. */
-static void print_table(const struct printer *printer, const struct column *columns)
-{
-    struct column shown[COLUMNS_MAX];
-    uint32_t room = UINT32_MAX, lines;
-    memcpy(shown, columns, sizeof shown);
-    if (terminal_is_live()) {
-        terminal_size(STDOUT_FILENO, &room, &lines);
-    }
-    columns_fit(shown, printer->rows, printer->row_bytes, printer->count, room);
-    columns_print(shown, NULL, terminal_begin(TERMINAL_BOLD), terminal_end());
-    for (uint32_t i = 0; i < printer->count; i++) {
-        columns_print(shown, printer->rows + i * printer->row_bytes, "", "");
-    }
-}
-
 #define OF(member) COLUMN_OF(struct session_row, member)
-static const struct column session_columns[COLUMNS_MAX] = {
+static const struct column session_columns[] = {
     {"session", "SESSION", COLUMN_NUMBER, OF(info.session), .rank = 1},
     {"pid", "PID", COLUMN_NUMBER, OF(info.pid), .rank = 4},
     {"uid", "USER", COLUMN_USER, OF(info.uid), .is_left = true, .cut = 10, .rank = 7},
@@ -151,7 +131,7 @@ struct scene_line {
 };
 
 #define OF(member) COLUMN_OF(struct scene_line, member)
-static const struct column scene_columns[COLUMNS_MAX] = {
+static const struct column scene_columns[] = {
     {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
     {"scene", "SCENE", COLUMN_HANDLE, OF(row.info.scene), .rank = 2},
     {"objects", "OBJECTS", COLUMN_NUMBER, OF(row.info.objects), .rank = 6},
@@ -214,7 +194,7 @@ struct object_line {
 };
 
 #define OF(member) COLUMN_OF(struct object_line, member)
-static const struct column object_columns[COLUMNS_MAX] = {
+static const struct column object_columns[] = {
     {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
     {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .rank = 7},
     {"object", "OBJECT", COLUMN_HANDLE, OF(info.object), .rank = 2},
@@ -256,7 +236,7 @@ struct pair_line {
 };
 
 #define OF(member) COLUMN_OF(struct pair_line, member)
-static const struct column pair_columns[COLUMNS_MAX] = {
+static const struct column pair_columns[] = {
     {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
     {"scene", "SCENE", COLUMN_HANDLE, OF(scene), .rank = 2},
     {"object_a", "OBJECT A", COLUMN_HANDLE, OF(pair.object_a), .rank = 3},
@@ -278,7 +258,7 @@ struct mesh_line {
 };
 
 #define OF(member) COLUMN_OF(struct mesh_line, member)
-static const struct column mesh_columns[COLUMNS_MAX] = {
+static const struct column mesh_columns[] = {
     {"session", "SESSION", COLUMN_NUMBER, OF(session), .rank = 1},
     {"mesh", "MESH", COLUMN_HANDLE, OF(info.mesh), .rank = 2},
     {"vertices", "VERTICES", COLUMN_NUMBER, OF(info.vertex_count), .rank = 3},
@@ -365,7 +345,8 @@ static int list(struct pccd_client *client, void *to)
     if (status == PCCD_OK && !printer.has_memory) {
         status = PCCD_E_NOMEM;
     } else if (status == PCCD_OK && !options->is_json) {
-        print_table(&printer, columns_of[options->what]);
+        columns_table(columns_of[options->what], printer.rows, printer.row_bytes,
+                      printer.count, false);
     }
     (void)output_json(printer.array, status == PCCD_OK && options->is_json, stdout);
     sessions_deinit(&sessions);

@@ -1,10 +1,10 @@
 /* cmd_stats.c - pccdctl stats. */
 #include <inttypes.h>
 #include <jansson.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "columns.h"
 #include "counters.h"
@@ -14,15 +14,18 @@
 #include "printable.h"
 #include "report.h"
 #include "shown.h"
-#include "terminal.h"
 
 /* ---- What each thread of the daemon's last step did. */
 
-#define TRIES       20
-#define WIDTH_LEAST 10 /* of a column */
+#define TRIES 20
+
+struct thread_row {
+    uint64_t thread;
+    struct counters is; /* in the order of the library */
+};
 
 struct table {
-    struct counters *rows; /* ours, [count]: a thread's in the order of the library */
+    struct thread_row *rows; /* ours, [count] */
     uint32_t count;
     char tuning[PCCD_TUNING_BYTES]; /* how they shared the work */
 };
@@ -74,9 +77,10 @@ static int read_once(struct pccd_client *client, struct table *table)
     if (table->rows == NULL) {
         return PCCD_E_NOMEM;
     }
-    table->rows[0] = first;
+    table->rows[0].is = first;
     for (uint32_t i = 1; i < threads; i++) {
-        struct counters *row = &table->rows[i];
+        struct counters *row = &table->rows[i].is;
+        table->rows[i].thread = i;
         status = pccd_stats_thread(client, true, i, collect, row, NULL);
         if (status == PCCD_E_INVAL) {
             return PCCD_E_BUSY; /* a step of fewer threads */
@@ -105,7 +109,7 @@ static int read_table(struct pccd_client *client, struct table *table)
 
 static void print_step(FILE *to, const struct table *table)
 {
-    const struct counters *row = &table->rows[0];
+    const struct counters *row = &table->rows[0].is;
     uint64_t threads = counters_get(row, "threads");
     uint64_t batch = counters_get(row, "batch");
     if (batch > 0) {
@@ -126,71 +130,29 @@ static void print_step(FILE *to, const struct table *table)
     }
 }
 
-/* Return the columns of a counter of that kind, with the blank before them; *length: of
- * its name, which says no unit. */
-static int width_of(const char *name, enum kind kind, int *length)
+/* The counters of one kind: a line for each thread. */
+static void print_kind(const struct table *table, enum kind kind)
 {
-    *length = (int)strlen(name) - (kind == KIND_TIME ? 3 : 0);
-    return 1 + (*length > WIDTH_LEAST ? *length : WIDTH_LEAST);
-}
-
-/* A line of a table: what a thread did, or its head, from one counter to the last before
- * `end`. */
-static void print_row(FILE *to, const struct table *table, enum kind kind,
-                      uint32_t thread, uint32_t begin, uint32_t end)
-{
-    bool is_head = thread == table->count;
-    const struct counters *row = &table->rows[is_head ? 0 : thread];
-    if (is_head) {
-        fputs("\nthread", to);
-    } else {
-        fprintf(to, "%6" PRIu32, thread);
-    }
-    for (uint32_t i = begin; i < end; i++) {
-        int length, width;
-        if (kind_of(row, i) != kind) {
-            continue;
-        }
-        width = width_of(row->name[i], kind, &length);
-        if (is_head) {
-            fprintf(to, "%*.*s", width, length, row->name[i]);
-        } else if (kind == KIND_TIME) {
-            fprintf(to, "%*.3f", width, (double)row->value[i] / 1e6);
-        } else {
-            fprintf(to, "%*" PRIu64, width, row->value[i]);
+    const struct counters *first = &table->rows[0].is;
+    struct column columns[COLUMNS_MAX] = {
+        {NULL, "thread", COLUMN_NUMBER, COLUMN_OF(struct thread_row, thread), .rank = 1}};
+    char heads[COUNTERS_MAX][48]; /* without the unit, which stands at each time */
+    uint32_t count = 1;
+    for (uint32_t i = 0; i < first->count; i++) {
+        if (kind_of(first, i) == kind) {
+            size_t length = strlen(first->name[i]) - (kind == KIND_TIME ? 3 : 0);
+            snprintf(heads[i], sizeof heads[i], "%.*s", (int)length, first->name[i]);
+            columns[count] = (struct column){
+                .head = heads[i],
+                .type = kind == KIND_TIME ? COLUMN_NS : COLUMN_NUMBER,
+                .at = offsetof(struct thread_row, is.value) + i * sizeof first->value[0],
+                .bytes = sizeof first->value[0],
+                .rank = count + 1};
+            count++;
         }
     }
-    fputs(is_head && kind == KIND_TIME ? "   (ms)\n" : "\n", to);
-}
-
-/* The counters of one kind: a line for each thread. Those that the terminal has no room
- * for are another table below. */
-static void print_kind(FILE *to, const struct table *table, enum kind kind)
-{
-    const struct counters *first = &table->rows[0];
-    uint32_t room = UINT32_MAX, rows, begin = 0;
-    if (terminal_is_live()) {
-        terminal_size(STDOUT_FILENO, &room, &rows);
-    }
-    while (begin < first->count) {
-        uint32_t end = begin, used = (uint32_t)strlen("thread   (ms)");
-        bool is_empty = true;
-        for (; end < first->count; end++) {
-            int length;
-            if (kind_of(first, end) != kind) {
-                continue;
-            }
-            used += (uint32_t)width_of(first->name[end], kind, &length);
-            if (used > room && !is_empty) {
-                break;
-            }
-            is_empty = false;
-        }
-        for (uint32_t i = 0; i <= table->count && !is_empty; i++) {
-            print_row(to, table, kind, i == 0 ? table->count : i - 1, begin, end);
-        }
-        begin = end;
-    }
+    putchar('\n');
+    columns_table(columns, table->rows, sizeof *table->rows, table->count, true);
 }
 
 /* The step's own numbers at the top, an object for each thread in "thread_records". */
@@ -198,7 +160,7 @@ static int print_threads_json(FILE *to, const struct table *table)
 {
     json_t *object = json_object();
     json_t *array = json_array();
-    const struct counters *first = &table->rows[0];
+    const struct counters *first = &table->rows[0].is;
     json_object_set_new(object, "tuning",
                         table->tuning[0] != '\0' ? json_text(table->tuning)
                                                  : json_null());
@@ -209,7 +171,7 @@ static int print_threads_json(FILE *to, const struct table *table)
         }
     }
     for (uint32_t thread = 0; thread < table->count; thread++) {
-        const struct counters *row = &table->rows[thread];
+        const struct counters *row = &table->rows[thread].is;
         json_t *element = json_object();
         for (uint32_t i = 0; i < row->count; i++) {
             if (kind_of(row, i) == KIND_WORK || kind_of(row, i) == KIND_TIME) {
@@ -236,8 +198,8 @@ static int stats_threads_print(struct pccd_client *client, FILE *to, bool is_jso
         fputs("no step yet\n", to);
     } else if (status == PCCD_OK) {
         print_step(to, &table);
-        print_kind(to, &table, KIND_WORK);
-        print_kind(to, &table, KIND_TIME);
+        print_kind(&table, KIND_WORK);
+        print_kind(&table, KIND_TIME);
     }
     free(table.rows);
     return status;

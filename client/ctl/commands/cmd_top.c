@@ -227,15 +227,9 @@ static void print_sums(uint32_t sessions, const struct counters *counters,
 static void print_table(const struct rate *rates, uint32_t count,
                         const struct counters *counters, const struct room *room)
 {
-    struct column columns[sizeof session_columns / sizeof session_columns[0]];
     uint32_t shown = count < room->sessions ? count : room->sessions;
-    memcpy(columns, session_columns, sizeof columns);
-    columns_fit(columns, rates, sizeof *rates, shown, room->columns);
     print_sums(count, counters, room);
-    columns_print(columns, NULL, terminal_begin(TERMINAL_BOLD), terminal_end());
-    for (uint32_t i = 0; i < shown; i++) {
-        columns_print(columns, &rates[i], "", "");
-    }
+    columns_table(session_columns, rates, sizeof *rates, shown, false);
     if (shown < count) {
         printf("and %" PRIu32 " more\n", count - shown);
     }
