@@ -146,6 +146,20 @@ static json_t *run(struct mcp *mcp, struct mcp_job *job, int status_max,
     return report;
 }
 
+/* Run a job that writes a file. `status_max`: as of run. PCCD_OK, or an error that begins
+ * with `what`. */
+static int run_plain(struct mcp *mcp, struct mcp_job *job, int status_max,
+                     const char *what, struct ctl_error *error)
+{
+    int status = mcp_job_run(job, mcp, error);
+    if (status != PCCD_OK || job->status <= status_max) {
+        return status;
+    }
+    const char *why = mcp_job_complaint(job);
+    return ctl_error_set(error, PCCD_E_INVAL, "%s%.900s", what,
+                         why != NULL ? why : "it has not said what is wrong");
+}
+
 static void begin(struct mcp_job *job, int (*command)(int argc, char **argv),
                   const char *name)
 {
@@ -400,11 +414,7 @@ static int write_scene(struct mcp *mcp, const json_t *asked, struct ctl_error *e
         mcp_job_add(&job, "--output=%s", name);
         mcp_job_add(&job, "new");
         mcp_job_add_fields(&job, files, asked);
-        status = mcp_job_run(&job, mcp, error);
-    }
-    if (status == PCCD_OK && job.status != 0) {
-        const char *why = mcp_job_complaint(&job);
-        status = ctl_error_set(error, PCCD_E_INVAL, "%.900s", why != NULL ? why : name);
+        status = run_plain(mcp, &job, 0, "", error);
     }
     mcp_job_deinit(&job);
     return status;
@@ -629,12 +639,7 @@ static int write_certificate(struct mcp *mcp, const json_t *asked, json_t *answe
     begin(&job, ctl_cmd_check, "pccdctl check");
     mcp_job_add(&job, "--results=-");
     mcp_job_add_fields(&job, check_takes, asked);
-    int status = mcp_job_run(&job, mcp, error);
-    if (status == PCCD_OK && job.status > CTL_NEGATIVE) {
-        const char *why = mcp_job_complaint(&job);
-        status = ctl_error_set(error, PCCD_E_INVAL, "no certificate: %.900s",
-                               why != NULL ? why : "it has not said what is wrong");
-    }
+    int status = run_plain(mcp, &job, CTL_NEGATIVE, "no certificate: ", error);
     if (status == PCCD_OK) {
         status = output_open(&file, name, false, error);
     }
@@ -1212,12 +1217,7 @@ static int draw(struct mcp *mcp, const struct mcp_table *table, int64_t step,
     mcp_job_add(&job, "--steps=%" PRId64, step);
     mcp_job_add(&job, "--at=contact %" PRIu64, number);
     mcp_job_add_fields(&job, picture_takes, table->asked);
-    int status = mcp_job_run(&job, mcp, error);
-    if (status == PCCD_OK && job.status != 0) {
-        const char *why = mcp_job_complaint(&job);
-        status = ctl_error_set(error, PCCD_E_INVAL, "no picture: %.900s",
-                               why != NULL ? why : "render has not said why");
-    }
+    int status = run_plain(mcp, &job, 0, "no picture: ", error);
     if (status == PCCD_OK && output[0] == '\0') {
         const char *uri = mcp_keep_picture(mcp, job.out, job.out_bytes);
         job.out = NULL;

@@ -108,41 +108,19 @@ struct numbers {
     uint64_t hash[2];
 };
 
-/* Return what is wrong with the recorded numbers, or NULL. The whole struct is compared,
- * so that a number which comes later is not let by; only what was measured is taken from
- * it. */
 static const char *check_recorded(const struct judge *judge, const struct numbers *is)
 {
-    const struct record_answer *then = judge->near->recorded;
     struct record_answer must = {.step = judge->near->number,
                                  .is_near = 1,
                                  .what = judge->near->asked->what,
-                                 .method = then->method,
-                                 .incomplete = then->incomplete,
                                  .verdict = judge->verdict,
-                                 .threads = then->threads,
                                  .total = is->total,
                                  .distance_min = is->distance_min,
                                  .distance_max = is->distance_max,
                                  .crossings = judge->crossings};
     memcpy(must.counts, is->counts, sizeof must.counts);
     memcpy(must.hash, is->hash, sizeof must.hash);
-    memcpy(must.times, then->times, sizeof must.times);
-    memcpy(must.counters, then->counters, sizeof must.counters);
-#define SAME(member)                                                                     \
-    if (memcmp(&then->member, &must.member, sizeof must.member) != 0) {                  \
-        return #member;                                                                  \
-    }
-    SAME(what)
-    SAME(verdict)
-    SAME(total)
-    SAME(counts)
-    SAME(distance_min)
-    SAME(distance_max)
-    SAME(crossings)
-    SAME(hash)
-#undef SAME
-    return memcmp(then, &must, sizeof must) != 0 ? "another number" : NULL;
+    return verify_recorded(judge->near->recorded, must);
 }
 
 static const char *check_daemon(const struct judge *judge, const struct numbers *is)

@@ -86,49 +86,51 @@ static void number(const struct play_step *step, struct numbers *is)
 #define NAMED(X)                                                                         \
     X(step)                                                                              \
     X(mode)                                                                              \
+    X(what)                                                                              \
     X(verdict)                                                                           \
     X(total)                                                                             \
     X(counts)                                                                            \
     X(possible)                                                                          \
     X(initial)                                                                           \
     X(toi_first)                                                                         \
+    X(distance_min)                                                                      \
+    X(distance_max)                                                                      \
+    X(crossings)                                                                         \
     X(hash)
 
-static const char *differing(const struct record_answer *a, const struct record_answer *b)
+const char *verify_recorded(const struct record_answer *then, struct record_answer must)
 {
+    must.method = then->method;
+    must.incomplete = then->incomplete;
+    must.threads = then->threads;
+    memcpy(must.times, then->times, sizeof must.times);
+    memcpy(must.counters, then->counters, sizeof must.counters);
 #define COMPARE(member)                                                                  \
-    if (memcmp(&a->member, &b->member, sizeof a->member) != 0) {                         \
+    if (memcmp(&then->member, &must.member, sizeof must.member) != 0) {                  \
         return #member;                                                                  \
     }
     NAMED(COMPARE)
 #undef COMPARE
-    return memcmp(a, b, sizeof *a) != 0 ? "another number" : NULL;
+    return memcmp(then, &must, sizeof must) != 0 ? "another number" : NULL;
 }
 
-/* All that its records, or those of a daemon's answer to the same step, say of the
- * recorded answer; only what was measured is taken from it. */
+/* Check that the records, or those of a daemon's answer to the same step, are what the
+ * recorded answer says. */
 static bool check_recorded(const struct play_step *step, const struct numbers *is,
                            struct verify_result *result)
 {
-    const struct record_answer *then = step->recorded;
     bool is_any = step->frame->mode == PCCD_MODE_ANY;
     struct record_answer must = {.step = step->number,
-                                 .status = PCCD_OK,
                                  .mode = step->frame->mode,
-                                 .method = then->method,
-                                 .incomplete = then->incomplete,
                                  .verdict = is_any ? verify_verdict(step)
                                                    : (uint32_t)PCCD_VERDICT_NONE,
-                                 .threads = then->threads,
                                  .total = is->total,
                                  .possible = is->possible,
                                  .initial = is->initial,
                                  .toi_first = is->toi_first};
     memcpy(must.counts, is->counts, sizeof must.counts);
     memcpy(must.hash, is->hash, sizeof must.hash);
-    memcpy(must.times, then->times, sizeof must.times);
-    memcpy(must.counters, then->counters, sizeof must.counters);
-    const char *name = differing(then, &must);
+    const char *name = verify_recorded(step->recorded, must);
     return name == NULL ||
            verify_wrong(result, step, NULL, "the recorded %s is not that of %s", name,
                         step->answer != NULL ? "a daemon's records"
