@@ -104,11 +104,11 @@ ENG_INLINE uint32_t eng_left_bits(eng_left left)
 /* Return sixteen lanes that are left as bits, in the same way. */
 ENG_INLINE uint32_t eng_left_bits16(const eng_left left[16 / ENG_F_LANES])
 {
-#if ENG_VECTOR_BYTES != 16
+#if ENG_VECTOR_BYTES == 32
+    /* Complemented once. */
+    return (eng_fm_bits(left[0]) | eng_fm_bits(left[1]) << 8) ^ 0xffff;
+#elif ENG_VECTOR_BYTES != 16
     uint32_t bits = 0;
-#if ENG_F_LANES > 1
-#pragma GCC unroll 2
-#endif
     for (uint32_t part = 0; part < 16 / ENG_F_LANES; part++) {
         bits |= eng_left_bits(left[part]) << (part * ENG_F_LANES);
     }
