@@ -413,39 +413,71 @@ static void clear(struct eng_wide *wide, enum pccd_tree kind, uint32_t first,
     }
 }
 
+/* The vertices of one object into the slots from `first` on. */
+static void fill_vertices(struct eng_wide *wide, const struct eng_scene *scene,
+                          uint32_t object_idx, uint32_t first)
+{
+    const struct eng_object *object = &scene->objects[object_idx];
+    const struct eng_wide_order *order = eng_wide_order_of(object);
+    const uint32_t *feature = order->feature[PCCD_TREE_VERTICES];
+    const uint32_t count = order->count[PCCD_TREE_VERTICES];
+    uint32_t *slot_of = wide->slot_of + object->vertices.first;
+    memset(slot_of, 0xff, object->vertices.count * sizeof *slot_of); /* NO_SLOT */
+    for (uint32_t i = 0; i < count; i++) {
+        if (feature[i] == ENG_WIDE_NO_FEATURE) {
+            clear(wide, PCCD_TREE_VERTICES, first + i, first + i + 1);
+            continue;
+        }
+        wide->points[first + i] = (struct eng_point){
+            .word0 = (uint64_t)object_idx << 32 | (object->vertices.first + feature[i]),
+            .word1 = (uint64_t)object->id << 32 | feature[i]};
+        slot_of[feature[i]] = first + i;
+    }
+}
+
+/* The edges or faces, after the vertices. corners[stride feature]: those of a feature. */
+static inline __attribute__((always_inline)) void
+fill_features(struct eng_wide *wide, const struct eng_object *object, enum pccd_tree kind,
+              uint32_t first, const uint32_t *corners, uint32_t stride)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    const struct eng_wide_order *order = eng_wide_order_of(object);
+    const uint32_t *feature = order->feature[kind];
+    const uint32_t count = order->count[kind];
+    const uint32_t *slot_of = wide->slot_of + object->vertices.first;
+    const eng_wide_key key = (uint64_t)object->id << 32;
+    eng_wide_key *keys = tree->keys + first;
+    uint32_t *corner[3] = {tree->corner[0] + first, tree->corner[1] + first,
+                           kind == PCCD_TREE_FACES ? tree->corner[2] + first : NULL};
+    for (uint32_t i = 0; i < count; i++) {
+        if (feature[i] == ENG_WIDE_NO_FEATURE) {
+            clear(wide, kind, first + i, first + i + 1);
+            continue;
+        }
+        const uint32_t *of = corners + (size_t)stride * feature[i];
+        keys[i] = key | feature[i];
+#pragma GCC unroll 3
+        for (uint32_t k = 0; k < corner_count(kind); k++) {
+            corner[k][i] = slot_of[of[k]];
+        }
+    }
+}
+
 /* The features of one object into its slots. */
 static void fill(struct eng_wide *wide, const struct eng_scene *scene,
                  uint32_t object_idx, enum pccd_tree kind, uint32_t first)
 {
     const struct eng_object *object = &scene->objects[object_idx];
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    const struct eng_mesh *mesh = object->mesh;
-    uint32_t *slot_of = wide->slot_of + object->vertices.first;
     if (kind == PCCD_TREE_VERTICES) {
-        memset(slot_of, 0xff, object->vertices.count * sizeof *slot_of); /* NO_SLOT */
-    }
-    for (uint32_t i = 0; i < eng_wide_order_of(object)->count[kind]; i++) {
-        uint32_t feature = eng_wide_order_of(object)->feature[kind][i];
-        uint32_t slot = first + i;
-        if (feature == ENG_WIDE_NO_FEATURE) {
-            clear(wide, kind, slot, slot + 1);
-            continue;
-        }
-        eng_wide_key key = (uint64_t)object->id << 32 | feature;
-        if (kind == PCCD_TREE_VERTICES) {
-            uint32_t vertex = object->vertices.first + feature;
-            memset(&wide->points[slot], 0, sizeof wide->points[slot]);
-            wide->points[slot].word0 = (uint64_t)object_idx << 32 | vertex;
-            wide->points[slot].word1 = key;
-            wide->slot_of[vertex] = slot;
-            continue;
-        }
-        const uint32_t *corners =
-            kind == PCCD_TREE_EDGES ? mesh->edges[feature] : mesh->leaves[feature].v;
-        tree->keys[slot] = key;
-        for (uint32_t k = 0; k < corner_count(kind); k++) {
-            tree->corner[k][slot] = slot_of[corners[k]];
-        }
+        fill_vertices(wide, scene, object_idx, first);
+    } else if (kind == PCCD_TREE_EDGES) {
+        fill_features(wide, object, PCCD_TREE_EDGES, first,
+                      (const uint32_t *)object->mesh->edges, 2);
+    } else {
+        static_assert(offsetof(struct eng_face, v) == 0, "corners");
+        fill_features(wide, object, PCCD_TREE_FACES, first,
+                      (const uint32_t *)object->mesh->leaves,
+                      sizeof(struct eng_face) / sizeof(uint32_t));
     }
 }
 
@@ -542,22 +574,26 @@ static void add_vertices(struct eng_wide_chunk_state *chunk, uint32_t vertices)
     chunk->vertex_chunks++;
 }
 
-/* Find the chunks of vertices of each chunk of edges and faces. */
-static void list_chunks(struct eng_wide *wide)
+/* Find the chunks of vertices of a chunk of edges or faces. Neighbours are near, so that
+ * most corners are in the same as those of the feature before. */
+static inline __attribute__((always_inline)) void
+list_chunks(const struct eng_wide_tree *tree, enum pccd_tree kind, uint32_t i)
 {
-    for (enum pccd_tree kind = PCCD_TREE_EDGES; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
-            tree->chunks[i].vertex_chunks = 0;
-        }
-        for (uint32_t slot = 0; slot < tree->slot_count; slot++) {
-            uint32_t last = UINT32_MAX;
-            for (uint32_t k = 0; k < (uint32_t)kind + 1; k++) {
-                uint32_t vertices = tree->corner[k][slot] / ENG_WIDE_CHUNK_SLOTS;
-                if (vertices != last) {
-                    add_vertices(&tree->chunks[slot / ENG_WIDE_CHUNK_SLOTS], vertices);
-                }
-                last = vertices;
+    struct eng_wide_chunk_state *chunk = &tree->chunks[i];
+    const uint32_t begin = i * ENG_WIDE_CHUNK_SLOTS;
+    const uint32_t left = tree->slot_count - begin;
+    const uint32_t end =
+        begin + (left < ENG_WIDE_CHUNK_SLOTS ? left : ENG_WIDE_CHUNK_SLOTS);
+    const uint32_t *corner[3] = {tree->corner[0], tree->corner[1], tree->corner[2]};
+    uint32_t last[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
+    chunk->vertex_chunks = 0;
+    for (uint32_t slot = begin; slot < end; slot++) {
+#pragma GCC unroll 3
+        for (uint32_t k = 0; k < corner_count(kind); k++) {
+            uint32_t vertices = corner[k][slot] / ENG_WIDE_CHUNK_SLOTS;
+            if (vertices != last[k]) {
+                add_vertices(chunk, vertices);
+                last[k] = vertices;
             }
         }
     }
@@ -601,7 +637,14 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
         wide->level_count = level_count;
         wide->assembled++;
         put_together(wide, scene, slots);
-        list_chunks(wide);
+        const struct eng_wide_tree *edges = &wide->trees[PCCD_TREE_EDGES];
+        for (uint32_t i = 0; i < eng_wide_chunks(edges->slot_count); i++) {
+            list_chunks(edges, PCCD_TREE_EDGES, i);
+        }
+        const struct eng_wide_tree *faces = &wide->trees[PCCD_TREE_FACES];
+        for (uint32_t i = 0; i < eng_wide_chunks(faces->slot_count); i++) {
+            list_chunks(faces, PCCD_TREE_FACES, i);
+        }
         clear_marks(wide);
         wide->is_stale = false;
         wide->boxes_are_old = true;
