@@ -162,7 +162,7 @@ c_library='argp.h assert.h ctype.h dirent.h dlfcn.h endian.h errno.h execinfo.h 
     sys/types.h sys/uio.h sys/un.h sys/user.h sys/wait.h termios.h time.h unistd.h'
 
 # Not for the engine: it computes, and talks to nobody.
-engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eventfd.h sys/inotify.h sys/mman.h sys/socket.h sys/un.h
+engine_not='dirent.h fcntl.h grp.h netinet/in.h poll.h pwd.h sys/epoll.h sys/eventfd.h sys/inotify.h sys/socket.h sys/un.h
     sys/wait.h spawn.h glob.h'
 # Nor for the service, but for what it makes and reads itself.
 service_not='dirent.h fcntl.h grp.h netinet/in.h pwd.h sys/epoll.h sys/eventfd.h sys/inotify.h sys/socket.h

@@ -1,9 +1,11 @@
 /* test_eng_memory.c - the engine's allocations, counted. */
 #include "eng_kit.h"
 
+#include <inttypes.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "memory.h"
 
@@ -323,4 +325,41 @@ CASE(memory__those_who_compute_at_once_pay_each_for_itself)
         assert_int_equal(customers[i].account.refused, 2);
         assert_int_equal(customers[i].allocs, customers[i].blocks + 2 * HELPED);
     }
+}
+
+/* Return whether the mapping with `place` asks for large pages. */
+static bool asks_for_large_pages(const void *place)
+{
+    FILE *file = fopen("/proc/self/smaps", "r");
+    char line[512];
+    bool is_inside = false;
+    bool asks = false;
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file) != NULL) {
+        uintptr_t first;
+        uintptr_t end;
+        if (sscanf(line, "%" SCNxPTR "-%" SCNxPTR " ", &first, &end) == 2) {
+            is_inside = (uintptr_t)place >= first && (uintptr_t)place < end;
+        }
+        asks |= is_inside && strncmp(line, "VmFlags:", 8) == 0 && strstr(line, " hg");
+    }
+    fclose(file);
+    return asks;
+}
+
+/* If it failed, to touch the arrays of a large scene would take longer than to fill
+ * them. */
+CASE(memory__large_blocks_ask_for_large_pages)
+{
+    test_skip_emulated("its maps are not the kernel's");
+    if (access("/sys/kernel/mm/transparent_hugepage", F_OK) != 0) {
+        test_skip("the kernel has no large pages");
+    }
+    unsigned char *block = eng_alloc(4, 1u << 20);
+    assert_non_null(block);
+    assert_true(asks_for_large_pages(block + (3u << 20)));
+    block = eng_realloc(block, 64, 1u << 20);
+    assert_non_null(block);
+    assert_true(asks_for_large_pages(block + (63u << 20)));
+    eng_free(block);
 }

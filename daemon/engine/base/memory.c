@@ -11,6 +11,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #define ALIGNMENT    128u
 #define HEADER_BYTES ALIGNMENT
@@ -20,6 +22,10 @@
 
 /* Bytes that a block takes besides itself: charged with it, as many scenes are small. */
 #define BESIDES (HEADER_BYTES + ORIGIN_BYTES)
+
+/* Blocks of so many bytes and more ask for large pages, which are as long: to touch a
+ * page for the first time takes longer than to fill it. */
+#define LARGE_MIN (2u << 20)
 
 struct header {
     size_t total; /* bytes charged */
@@ -148,6 +154,16 @@ static void *begin(void *origin, size_t total)
     return base + HEADER_BYTES;
 }
 
+/* Wherever the system only gives large pages when it is asked to. All that is mapped for
+ * the block is asked for, as part of a mapping could not be moved with the rest. */
+static void ask_for_large_pages(void *origin, size_t total)
+{
+    if (total >= LARGE_MIN) {
+        size_t before = (uintptr_t)origin % (size_t)sysconf(_SC_PAGESIZE);
+        (void)madvise((unsigned char *)origin - before, total + before, MADV_HUGEPAGE);
+    }
+}
+
 void *eng_alloc(size_t count, size_t bytes)
 {
     size_t total;
@@ -159,6 +175,7 @@ void *eng_alloc(size_t count, size_t bytes)
         uncharge(total);
         return NULL;
     }
+    ask_for_large_pages(origin, total);
     return begin(origin, total);
 }
 
@@ -192,6 +209,7 @@ void *eng_realloc(void *block, size_t count, size_t bytes)
     if (align(origin) + HEADER_BYTES != origin + place) {
         memmove(align(origin) + HEADER_BYTES, origin + place, kept);
     }
+    ask_for_large_pages(origin, total);
     return begin(origin, total);
 }
 

@@ -18,28 +18,8 @@ void eng_wide_init(struct eng_wide *wide)
 
 void eng_wide_deinit(struct eng_wide *wide)
 {
-    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        eng_free(tree->blocks);
-        eng_free(tree->quantised);
-        eng_free(tree->quantised_boxes);
-        eng_free(tree->floats);
-        eng_free(tree->float_boxes);
-        eng_free(tree->boxes);
-        eng_free(tree->keys);
-        eng_free(tree->moving);
-        eng_free(tree->free);
-        eng_free(tree->own);
-        eng_free(tree->chunks);
-        for (int k = 0; k < 3; k++) {
-            eng_free(tree->corner[k]);
-        }
-    }
-    eng_free(wide->points);
-    eng_free(wide->point_boxes);
-    eng_free(wide->marks);
-    eng_free(wide->point_numbers);
-    eng_free(wide->slot_of);
+    eng_free(wide->arrays);
+    eng_free(wide->float_arrays);
     eng_free(wide->items);
 }
 
@@ -50,30 +30,8 @@ static uint32_t corner_count(enum pccd_tree kind)
 
 uint64_t eng_wide_bytes(const struct eng_wide *wide)
 {
-    uint64_t bytes =
-        (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
-        (uint64_t)wide->item_capacity * sizeof *wide->items +
-        (uint64_t)wide->trees[PCCD_TREE_VERTICES].slot_capacity *
-            (sizeof *wide->points + sizeof *wide->marks + sizeof *wide->point_numbers) +
-        (uint64_t)wide->point_box_capacity * sizeof *wide->point_boxes;
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        const struct eng_wide_tree *tree = &wide->trees[kind];
-        bytes += (uint64_t)tree->above_capacity *
-                     (sizeof *tree->blocks + sizeof *tree->boxes) +
-                 (uint64_t)tree->float_capacity *
-                     (sizeof *tree->floats + sizeof *tree->float_boxes) +
-                 (uint64_t)tree->leaf_capacity *
-                     (sizeof *tree->quantised + sizeof *tree->quantised_boxes) +
-                 (uint64_t)tree->moving_capacity * sizeof *tree->moving +
-                 (uint64_t)tree->free_capacity * sizeof *tree->free +
-                 (uint64_t)tree->own_capacity * sizeof *tree->own +
-                 (uint64_t)tree->chunk_capacity * sizeof *tree->chunks;
-        if (kind != PCCD_TREE_VERTICES) {
-            bytes += (uint64_t)tree->slot_capacity *
-                     (corner_count(kind) * sizeof *tree->corner[0] + sizeof *tree->keys);
-        }
-    }
-    return bytes;
+    return wide->array_bytes + wide->float_bytes +
+           (uint64_t)wide->item_capacity * sizeof *wide->items;
 }
 
 static uint32_t round_up(uint64_t count, uint32_t multiple)
@@ -164,82 +122,116 @@ static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
     return first;
 }
 
-/* Return whether an array of that capacity has room, and not by far too much. Large ones
- * are not kept for what went away: a rank whose part of a scene shrinks needs its memory
- * elsewhere. */
-#define SLOTS_KEPT (1u << 15)
-static bool fits(uint32_t count, uint32_t capacity, uint32_t kept_anyway)
+/* ---- memory ------------------------------------------------------------------------ */
+
+/* Let `ARRAY` have `COUNT` items from `used` on in a block, from which on others come
+ * then; without a block only count. */
+#define ARRAY_ALIGNMENT 128u
+#define LAY(ARRAY, COUNT)                                                                \
+    do {                                                                                 \
+        (ARRAY) = block ? (void *)(block + used) : (ARRAY);                              \
+        used += (uint64_t)(COUNT) * sizeof *(ARRAY);                                     \
+        used = (used + ARRAY_ALIGNMENT - 1) / ARRAY_ALIGNMENT * ARRAY_ALIGNMENT;         \
+    } while (0)
+
+static uint32_t free_count(const struct eng_mesh *mesh, enum pccd_tree kind)
 {
-    return count <= capacity && (capacity <= kept_anyway || count >= capacity / 2);
+    return kind == PCCD_TREE_VERTICES ? mesh->info.free_point_count
+           : kind == PCCD_TREE_EDGES  ? mesh->info.free_edge_count
+                                      : 0;
 }
 
-/* Instead of one that does not fit. Of less, no array has less from now on, whichever of
- * them can be made smaller. */
-static uint32_t other_capacity(uint32_t *capacity, uint32_t count, uint32_t multiple)
-{
-    if (count > *capacity) {
-        return round_up(eng_array_grown(*capacity, count), multiple);
-    }
-    *capacity = round_up(count, multiple);
-    return *capacity;
-}
+/* In which trees anything is free, or foreign. Faces are first in no pair. */
+struct marked {
+    bool free[ENG_WIDE_TREES], own[ENG_WIDE_TREES];
+};
 
-static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t count)
+static struct marked marked_of(const struct eng_scene *scene)
 {
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    if (fits(count, tree->slot_capacity, SLOTS_KEPT)) {
-        return PCCD_OK;
-    }
-    uint32_t capacity = other_capacity(&tree->slot_capacity, count, ENG_WIDE);
-    int status = PCCD_OK;
-    if (kind == PCCD_TREE_VERTICES) {
-        status = eng_array_grow(&wide->points, capacity, sizeof *wide->points);
-        if (status == PCCD_OK) {
-            status = eng_array_grow(&wide->marks, capacity, sizeof *wide->marks);
+    struct marked marked = {{false}, {false}};
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_mesh *mesh = scene->objects[i].mesh;
+        for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && mesh; kind++) {
+            marked.free[kind] |= free_count(mesh, kind) > 0;
+            marked.own[kind] |= kind != PCCD_TREE_FACES && eng_mesh_has_foreign(mesh);
         }
-        if (status == PCCD_OK) {
-            status = eng_array_grow(&wide->point_numbers, capacity,
-                                    sizeof *wide->point_numbers);
+    }
+    return marked;
+}
+
+/* Return how many bytes all arrays need that are not of floats. They are in `block`, if
+ * it is not NULL, from now on. */
+static uint64_t lay_out(struct eng_wide *wide, unsigned char *block,
+                        const struct eng_scene *scene, const struct marked *marked,
+                        const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
+{
+    uint64_t used = 0;
+    LAY(wide->points, slots[PCCD_TREE_VERTICES]);
+    LAY(wide->marks, slots[PCCD_TREE_VERTICES]);
+    LAY(wide->point_numbers, slots[PCCD_TREE_VERTICES]);
+    LAY(wide->slot_of, scene->vertex_capacity);
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t leaves = slots[kind] / ENG_WIDE;
+        uint32_t blocks = count_blocks(slots[kind], level_count, NULL);
+        uint32_t above = level_count > 1 ? blocks - round_up(leaves, ENG_WIDE) : 0;
+        for (uint32_t k = 0; k < corner_count(kind); k++) {
+            LAY(tree->corner[k], slots[kind]);
         }
-    } else {
-        status = eng_array_grow(&tree->keys, capacity, sizeof *tree->keys);
+        LAY(tree->keys, kind == PCCD_TREE_VERTICES ? 0 : slots[kind]);
+        LAY(tree->quantised, leaves);
+        LAY(tree->quantised_boxes, leaves);
+        LAY(tree->blocks, above);
+        LAY(tree->boxes, above);
+        LAY(tree->chunks, eng_wide_chunks(slots[kind]));
+        LAY(tree->moving, blocks);
+        LAY(tree->free, marked->free[kind] ? blocks : 0);
+        LAY(tree->own, marked->own[kind] ? blocks : 0);
+        tree->has_free = block ? marked->free[kind] : tree->has_free;
+        tree->has_own = block ? marked->own[kind] : tree->has_own;
     }
-    for (uint32_t k = 0; k < corner_count(kind) && status == PCCD_OK; k++) {
-        status = eng_array_grow(&tree->corner[k], capacity, sizeof *tree->corner[k]);
-    }
-    tree->slot_capacity = status == PCCD_OK ? capacity : tree->slot_capacity;
-    return status;
+    return used;
 }
 
-#define BLOCKS_KEPT (SLOTS_KEPT / ENG_WIDE)
-
-static int reserve_leaves(struct eng_wide_tree *tree, uint32_t count)
+/* The same of the arrays of floats, of trees that are put together. */
+static uint64_t lay_out_floats(struct eng_wide *wide, unsigned char *block)
 {
-    if (fits(count, tree->leaf_capacity, BLOCKS_KEPT)) {
-        return PCCD_OK;
+    uint64_t used = 0;
+    LAY(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t blocks = round_up(tree->block_count[0], ENG_WIDE);
+        LAY(tree->floats, blocks);
+        LAY(tree->float_boxes, blocks);
     }
-    uint32_t capacity = other_capacity(&tree->leaf_capacity, count, 1);
-    int status = eng_array_grow(&tree->quantised, capacity, sizeof *tree->quantised);
-    if (status == PCCD_OK) {
-        status = eng_array_grow(&tree->quantised_boxes, capacity,
-                                sizeof *tree->quantised_boxes);
-    }
-    tree->leaf_capacity = status == PCCD_OK ? capacity : tree->leaf_capacity;
-    return status;
+    return used;
 }
 
-static int reserve_above(struct eng_wide_tree *tree, uint32_t count)
+/* Return whether a block has room, and not by far too much. A large one is not kept for
+ * what went away: a rank whose part of a scene shrinks needs its memory elsewhere. */
+#define BYTES_KEPT (2u << 20)
+static bool fits(uint64_t wanted, uint64_t bytes)
 {
-    if (fits(count, tree->above_capacity, BLOCKS_KEPT)) {
+    return wanted <= bytes && (bytes <= BYTES_KEPT || wanted >= bytes / 2);
+}
+
+/* Have a block that fits, whose content is lost. It grows by an eighth, as arrays do
+ * (memory.h). */
+static int reserve(unsigned char **block, uint64_t *bytes, uint64_t wanted)
+{
+    if (fits(wanted, *bytes)) {
         return PCCD_OK;
     }
-    uint32_t capacity = other_capacity(&tree->above_capacity, count, 1);
-    int status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
-    if (status == PCCD_OK) {
-        status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
+    uint64_t grown = *bytes + *bytes / 8;
+    uint64_t size = wanted > *bytes && wanted < grown ? grown : wanted;
+    unsigned char *other = eng_alloc(size, 1);
+    if (!other) {
+        return PCCD_E_NOMEM;
     }
-    tree->above_capacity = status == PCCD_OK ? capacity : tree->above_capacity;
-    return status;
+    eng_free(*block);
+    *block = other;
+    *bytes = size;
+    return PCCD_OK;
 }
 
 static void set_nowhere(struct eng_extents *boxes, uint32_t count)
@@ -250,149 +242,28 @@ static void set_nowhere(struct eng_extents *boxes, uint32_t count)
     }
 }
 
-/* Floats are made anew, so they are lost where there is no room for them. */
+/* Floats are made anew: they are lost where the trees have become other ones. */
 static void drop_floats(struct eng_wide *wide)
 {
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        eng_free(tree->floats);
-        eng_free(tree->float_boxes);
-        tree->floats = NULL;
-        tree->float_boxes = NULL;
-        tree->float_capacity = 0;
-    }
-    eng_free(wide->point_boxes);
-    wide->point_boxes = NULL;
-    wide->point_box_capacity = 0;
-}
-
-static bool has_room(const struct eng_wide *wide)
-{
-    bool has = wide->trees[PCCD_TREE_VERTICES].slot_count <= wide->point_box_capacity;
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        const struct eng_wide_tree *tree = &wide->trees[kind];
-        has &= round_up(tree->block_count[0], ENG_WIDE) <= tree->float_capacity;
-    }
-    return has;
-}
-
-static bool make_room(struct eng_wide *wide)
-{
-    uint32_t slots = wide->trees[PCCD_TREE_VERTICES].slot_count;
-    wide->point_boxes = eng_alloc(slots, sizeof *wide->point_boxes);
-    wide->point_box_capacity = wide->point_boxes ? slots : 0;
-    bool has_all = wide->point_boxes != NULL;
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && has_all; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        uint32_t blocks = round_up(tree->block_count[0], ENG_WIDE);
-        tree->floats = eng_alloc(blocks, sizeof *tree->floats);
-        tree->float_boxes = eng_alloc(blocks, sizeof *tree->float_boxes);
-        has_all = tree->floats && tree->float_boxes;
-        tree->float_capacity = blocks;
-    }
-    return has_all;
+    eng_free(wide->float_arrays);
+    wide->float_arrays = NULL;
+    wide->float_bytes = 0;
 }
 
 int eng_wide_reserve_floats(struct eng_wide *wide)
 {
-    if (!has_room(wide)) {
-        drop_floats(wide);
-        if (!make_room(wide)) {
-            drop_floats(wide);
-            return PCCD_E_NOMEM;
-        }
+    int status =
+        reserve(&wide->float_arrays, &wide->float_bytes, lay_out_floats(wide, NULL));
+    if (status != PCCD_OK) {
+        return status;
     }
+    lay_out_floats(wide, wide->float_arrays);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
         uint32_t blocks = tree->block_count[0]; /* a node of level 1 has sixteen */
         set_nowhere(tree->float_boxes + blocks, round_up(blocks, ENG_WIDE) - blocks);
     }
     return PCCD_OK;
-}
-
-/* Room to mark what moves (wide.h), and whatever else, of `count` blocks. */
-static int reserve_moving(struct eng_wide_tree *tree, uint32_t count)
-{
-    if (!fits(count, tree->block_capacity, BLOCKS_KEPT)) {
-        tree->block_capacity = other_capacity(&tree->block_capacity, count, 1);
-    }
-    int status = eng_array_fit(&tree->moving, &tree->moving_capacity,
-                               tree->block_capacity, sizeof *tree->moving);
-    return status == PCCD_OK
-               ? eng_array_fit(&tree->chunks, &tree->chunk_capacity,
-                               eng_wide_chunks(tree->slot_capacity), sizeof *tree->chunks)
-               : status;
-}
-
-static uint32_t free_count(const struct eng_mesh *mesh, enum pccd_tree kind)
-{
-    return kind == PCCD_TREE_VERTICES ? mesh->info.free_point_count
-           : kind == PCCD_TREE_EDGES  ? mesh->info.free_edge_count
-                                      : 0;
-}
-
-/* Room to mark what is free, if anything is. */
-static int reserve_free(struct eng_wide_tree *tree, const struct eng_scene *scene,
-                        enum pccd_tree kind)
-{
-    bool has_free = false;
-    for (uint32_t i = 0; i < scene->object_capacity && !has_free; i++) {
-        has_free = scene->objects[i].mesh && free_count(scene->objects[i].mesh, kind) > 0;
-    }
-    int status = has_free ? eng_array_fit(&tree->free, &tree->free_capacity,
-                                          tree->block_capacity, sizeof *tree->free)
-                          : PCCD_OK;
-    tree->has_free = status == PCCD_OK ? has_free : tree->has_free;
-    return status;
-}
-
-/* Room to mark what is not foreign, if anything is. Faces are first in no pair. */
-static int reserve_own(struct eng_wide *wide, const struct eng_scene *scene)
-{
-    bool has_foreign = false;
-    for (uint32_t i = 0; i < scene->object_capacity && !has_foreign; i++) {
-        has_foreign =
-            scene->objects[i].mesh && eng_mesh_has_foreign(scene->objects[i].mesh);
-    }
-    for (enum pccd_tree kind = 0; kind < PCCD_TREE_FACES && has_foreign; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        int status = eng_array_fit(&tree->own, &tree->own_capacity, tree->block_capacity,
-                                   sizeof *tree->own);
-        if (status != PCCD_OK) {
-            return status;
-        }
-    }
-    for (enum pccd_tree kind = 0; kind < PCCD_TREE_FACES; kind++) {
-        wide->trees[kind].has_own = has_foreign;
-    }
-    return PCCD_OK;
-}
-
-/* Room for everything. */
-static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
-                   const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
-{
-    int status = eng_array_fit(&wide->slot_of, &wide->slot_of_capacity,
-                               scene->vertex_capacity, sizeof *wide->slot_of);
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && status == PCCD_OK; kind++) {
-        status = reserve_slots(wide, kind, slots[kind]);
-        uint32_t leaves = slots[kind] / ENG_WIDE;
-        uint32_t blocks = count_blocks(slots[kind], level_count, NULL);
-        if (status == PCCD_OK) {
-            status = reserve_leaves(&wide->trees[kind], leaves);
-        }
-        if (status == PCCD_OK) {
-            uint32_t above = level_count > 1 ? blocks - round_up(leaves, ENG_WIDE) : 0;
-            status = reserve_above(&wide->trees[kind], above);
-        }
-        if (status == PCCD_OK) {
-            status = reserve_moving(&wide->trees[kind], blocks);
-        }
-        if (status == PCCD_OK) {
-            status = reserve_free(&wide->trees[kind], scene, kind);
-        }
-    }
-    return status == PCCD_OK ? reserve_own(wide, scene) : status;
 }
 
 /* Slots from `first` up to `end` belong to nobody. */
@@ -552,8 +423,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             mark(wide, scene, kind, tree->own, is_own);
         }
     }
-    const struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
-    if (!fits(vertices->slot_count, wide->point_box_capacity, SLOTS_KEPT)) {
+    if (!fits(lay_out_floats(wide, NULL), wide->float_bytes)) {
         drop_floats(wide);
     }
 }
@@ -632,8 +502,11 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
             level_count++;
         }
     }
-    status = reserve(wide, scene, slots, level_count);
+    const struct marked marked = marked_of(scene);
+    status = reserve(&wide->arrays, &wide->array_bytes,
+                     lay_out(wide, NULL, scene, &marked, slots, level_count));
     if (status == PCCD_OK) {
+        lay_out(wide, wide->arrays, scene, &marked, slots, level_count);
         wide->level_count = level_count;
         wide->assembled++;
         put_together(wide, scene, slots);

@@ -66,30 +66,29 @@ struct eng_wide_chunk_state {
 
 struct eng_wide_tree {
     uint32_t slot_count; /* a multiple of 16, at least 16 */
-    uint32_t slot_capacity, block_capacity, leaf_capacity, above_capacity;
-    uint32_t float_capacity;
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
-    /* Level 0, of features, with the boxes around its blocks: in whole numbers
-     * [leaf_capacity]; and in floats [float_capacity], once a step has asked for these
-     * (eng_wide_reserve_floats). */
+    /* Level 0, of features, with the boxes around its blocks: in whole numbers; and in
+     * floats, once a step has asked for these (eng_wide_reserve_floats). */
     struct eng_quantised_block *quantised;
     struct eng_quantised_box *quantised_boxes;
     struct eng_wide_block *floats;
     struct eng_extents *float_boxes;
-    struct eng_wide_block *blocks; /* [above_capacity] the levels above, .. */
+    struct eng_wide_block *blocks; /* the levels above, .. */
     struct eng_extents *boxes;     /* .. and around their blocks */
-    uint32_t *corner[3];           /* edges 2, faces 3: [slot_capacity], vertex slots */
-    eng_wide_key *keys;            /* edges and faces: [slot_capacity] */
-    uint16_t *moving;              /* [moving_capacity] by block: bit k, child k moves */
-    uint32_t moving_capacity, free_capacity, own_capacity;
-    uint16_t *free, *own;   /* bits of what is free, of what is not foreign */
-    bool has_free, has_own; /* else nothing is written there; faces have none */
-    uint32_t chunk_capacity;
-    struct eng_wide_chunk_state *chunks; /* [chunk_capacity] */
+    uint32_t *corner[3];           /* edges 2, faces 3: [slot_count], vertex slots */
+    eng_wide_key *keys;            /* edges and faces: [slot_count] */
+    uint16_t *moving;              /* by block: bit k, child k moves */
+    uint16_t *free, *own;          /* bits of what is free, of what is not foreign */
+    bool has_free, has_own;        /* else these are not there; faces have none */
+    struct eng_wide_chunk_state *chunks; /* [eng_wide_chunks(slot_count)] */
 };
 
 struct eng_wide {
+    /* All arrays but `items`, one behind the other in a block: that is what large pages
+     * are for. Those of floats are in a block of their own. */
+    unsigned char *arrays, *float_arrays;
+    uint64_t array_bytes, float_bytes;
     const struct eng_kernels *kernels; /* of refit and traversal; the step's */
     struct eng_wide_tree trees[ENG_WIDE_TREES];
     uint32_t level_count; /* of each tree */
@@ -97,9 +96,8 @@ struct eng_wide {
     /* Vertices, by slot: word0 is its object's index << 32 | its own in the scene's
      * arrays, or ENG_WIDE_NOBODY; word1 its key. */
     struct eng_point *points;
-    struct eng_extents *point_boxes; /* [point_box_capacity] with floats alone */
-    uint32_t point_box_capacity;
-    struct eng_mark *marks; /* of the vertices, on the grid */
+    struct eng_extents *point_boxes; /* with floats alone */
+    struct eng_mark *marks;          /* of the vertices, on the grid */
     /* Of the vertices in whole numbers, each by itself: what edges and faces are made
      * of. */
     struct eng_quantised_box *point_numbers;
@@ -125,9 +123,7 @@ struct eng_wide {
     uint64_t frames;    /* of the last step: as in the scene */
     uint64_t thickness; /* its number in the last step */
     double frame_scale;
-    uint32_t *slot_of; /* [slot_of_capacity] of vertices in the scene's arrays, or
-                        * ENG_WIDE_NO_SLOT */
-    uint32_t slot_of_capacity;
+    uint32_t *slot_of; /* of vertices in the scene's arrays, or ENG_WIDE_NO_SLOT */
     struct eng_split_item *items; /* [item_capacity] the objects in their order */
     uint32_t item_capacity;
     /* Steps, by kind of pair, that do not look at the times of nodes: it did not pay. */

@@ -37,9 +37,11 @@ uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners)
 static int reserve(struct eng_wide_owners *owners, const struct eng_wide *wide)
 {
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        int status =
-            eng_array_fit(&owners->of[kind], &owners->capacity[kind],
-                          wide->trees[kind].block_capacity, sizeof *owners->of[kind]);
+        const struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t top = wide->level_count - 1;
+        int status = eng_array_extend(&owners->of[kind], &owners->capacity[kind],
+                                      tree->first[top] + tree->block_count[top],
+                                      sizeof *owners->of[kind]);
         if (status != PCCD_OK) {
             return status;
         }
