@@ -235,8 +235,11 @@ static int lead_to_joints(struct pccd_client *client, const struct cli_slot *own
                         "the frame has no joints; pccd_frame_joints gives it some");
     }
     if (segment->first >= own->joint_count) {
-        return cli_fail(client, PCCD_E_INVAL, "joint %u of %u, from 0", segment->first,
-                        own->joint_count);
+        return cli_fail(
+            client, PCCD_E_INVAL,
+            "motion %u (object 0x%x): first is %u, its joint; the step has %u "
+            "joints, from 0",
+            own->segment_count, segment->object, segment->first, own->joint_count);
     }
     segment->offset0 = own->joints_at;
     return 0;
@@ -466,9 +469,14 @@ static int describe(struct pccd_client *client, const struct pccd_motion *motion
     if (is_rigid != (motion->m1 != NULL) || is_rigid != (motion->x1 == NULL) ||
         (is_rigid && motion->x0 != NULL)) {
         return cli_fail(client, PCCD_E_INVAL,
-                        "motion %u: it needs x1, or x0 and x1, or m0 and m1, or joints "
-                        "of the step",
-                        i);
+                        "motion %u (object 0x%x): it has%s%s%s%s, and needs one way to "
+                        "move: x1, x0 and x1, m0 and m1, or a joint of the step's",
+                        i, motion->object, motion->x0 != NULL ? " x0" : "",
+                        motion->x1 != NULL ? " x1" : "", motion->m0 != NULL ? " m0" : "",
+                        motion->m1 != NULL ? " m1"
+                        : motion->x0 == NULL && motion->x1 == NULL && !is_rigid
+                            ? " nothing"
+                            : "");
     }
     if (!is_rigid && (unsigned)motion->format >= PCCD_FORMAT_COUNT) {
         return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %u", i,

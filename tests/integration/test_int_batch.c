@@ -273,7 +273,7 @@ CASE(scene__that_fails_does_not_fail_the_others)
     submit_trouble(&trouble, 1, &step);
     assert_ok(pccd_batch_wait(client, step, -1, &answer));
     expect(&answer, UNKNOWN, PCCD_E_HANDLE, "no such scene");
-    expect(&answer, NOT_FINITE, PCCD_E_NOTFINITE, "segment 0");
+    expect(&answer, NOT_FINITE, PCCD_E_NOTFINITE, "y of vertex 1 is nan");
     expect(&answer, FOREIGN, PCCD_E_HANDLE, "is not in the scene");
     expect(&answer, TWICE, PCCD_E_INVAL, "more than once");
     expect(&answer, BEYOND, PCCD_E_SEGMENT, "vertices from 7 on");
@@ -327,7 +327,7 @@ CASE(scene__tells_of_a_step_that_failed_after_its_answer)
     assert_ok(pccd_batch_wait(client, steps[0], -1, &all));
     pccd_batch_release(client, &all);
     assert_ok(pccd_batch_wait(client, steps[2], -1, &all));
-    expect(&all, 1, PCCD_E_NOTFINITE, "segment 0");
+    expect(&all, 1, PCCD_E_NOTFINITE, "y of vertex 7 is nan");
     assert_int_equal(all.failed, 1);
     assert_int_equal(all.scenes[0].number, 1);
     assert_int_equal(all.scenes[2].number, 1);

@@ -190,14 +190,14 @@ CASE(free__refuses_what_cannot_be)
 
     begin(&play, test_shared.url, NULL);
     data.points = bad;
-    assert_int_equal(put(&play, &data, "point 1 names a vertex beyond the mesh's 7"),
+    assert_int_equal(put(&play, &data, "point 1 names vertex 7; the mesh has 7 vertices"),
                      PCCD_E_INDEX);
     data.points = NULL;
     assert_int_equal(put(&play, &data, "points is NULL"), PCCD_E_INVAL);
     data = data_below();
     data.edges = bad;
     data.edge_count = 1;
-    assert_int_equal(put(&play, &data, "edge 0 names a vertex beyond the mesh's 7"),
+    assert_int_equal(put(&play, &data, "edge 0 names vertex 7; the mesh has 7 vertices"),
                      PCCD_E_INDEX);
     data.edge_count = data.point_count = data.triangle_count = 0;
     assert_int_equal(put(&play, &data, "no triangles"), PCCD_E_INVAL);

@@ -105,10 +105,14 @@ CASE_CROSSING(motions__in_no_way_or_in_two_are_refused)
         {.object = yard.bodies[0], .count = 3, .m1 = still},
         {.object = yard.bodies[0], .count = 3, .m0 = still, .m1 = still, .x1 = yard.x1},
         {.object = yard.bodies[0], .count = 3, .m0 = still, .m1 = still, .x0 = yard.x0}};
+    static const char *const has[] = {"it has nothing, ", "it has x0, ",
+                                      "it has m0, ",      "it has m1, ",
+                                      "it has x1 m0 m1,", "it has x0 m0 m1,"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         assert_int_equal(pccd_submit(client, yard.scene, &bad[i], 1, NULL, &step),
                          PCCD_E_INVAL);
         assert_non_null(strstr(pccd_error_text(client), "motion 0"));
+        assert_non_null(strstr(pccd_error_text(client), has[i]));
     }
     assert_int_equal(pccd_submit(client, yard.scene, NULL, 1, NULL, &step), PCCD_E_INVAL);
     assert_int_equal(pccd_submit(client, yard.scene, bad, 1, NULL, NULL), PCCD_E_INVAL);

@@ -110,10 +110,13 @@ CASE_CROSSING(mesh__bad_data_is_refused_and_leaves_nothing)
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, beyond, 1, &mesh, NULL),
         PCCD_E_INDEX);
+    assert_non_null(strstr(pccd_error_text(client), "triangle 0 names vertex 3; the mesh "
+                                                    "has 3 vertices, which begin at 0"));
     x[1][2] = NAN;
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, test_triangle, 1, &mesh, NULL),
         PCCD_E_NOTFINITE);
+    assert_non_null(strstr(pccd_error_text(client), "z of vertex 1 is nan"));
     x[1][2] = 1.5e18f;
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, test_triangle, 1, &mesh, NULL),
@@ -436,7 +439,21 @@ CASE_CROSSING(step__refused_steps_change_nothing)
     x1[2][0] = INFINITY;
     assert_int_equal(test_crossing_step(crossing, x1, NULL, &answer), PCCD_E_NOTFINITE);
     assert_int_equal(answer.status, PCCD_E_NOTFINITE);
+    assert_non_null(strstr(pccd_error_text(client), "x of vertex 2 is inf at t = 1"));
+    const struct pccd_motion moves = {
+        .object = crossing->object, .count = 3, .x0 = x1, .x1 = test_floor_x};
+    assert_int_equal(pccd_step(client, crossing->scene, &moves, 1, NULL, &answer),
+                     PCCD_E_NOTFINITE);
+    assert_non_null(strstr(pccd_error_text(client), "x of vertex 2 is inf at t = 0"));
     x1[2][0] = 0;
+    const struct pccd_motion twice[3] = {
+        {.object = crossing->object, .first = 1, .count = 2, .x1 = x1},
+        {.object = crossing->object, .count = 1, .x1 = x1},
+        {.object = crossing->object, .first = 2, .count = 1, .x1 = x1}};
+    assert_int_equal(pccd_step(client, crossing->scene, twice, 3, NULL, &answer),
+                     PCCD_E_SEGMENT);
+    assert_non_null(strstr(pccd_error_text(client), "vertex 2 of object 0x"));
+    assert_non_null(strstr(pccd_error_text(client), "by the segments 0 and 2"));
     assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
                                   PCCD_FORMAT_F32, 4, NULL, &answer),
                      PCCD_E_SEGMENT);

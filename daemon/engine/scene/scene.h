@@ -166,6 +166,21 @@ void eng_stage_validate(struct eng_scene *scene);
 /* Return whether a vertex is written twice: the step would be refused. */
 bool eng_stage_overlaps(struct eng_scene *scene);
 
+/* A vertex of an object with which staging has found fault. */
+struct eng_stage_fault {
+    uint32_t object_idx;
+    uint32_t vertex;
+    uint32_t end, axis; /* of a coordinate: at t = 0 or 1, 2: either; x, y or z */
+    double x;
+};
+
+/* Return the first vertex that was written twice, after a step with PCCD_E_SEGMENT or
+ * eng_stage_overlaps. */
+struct eng_stage_fault eng_stage_twice(const struct eng_scene *scene);
+/* Find what a write has found that is no coordinate (PCCD_E_NOTFINITE), before abort.
+ * False: a transform is bad, and nothing was written. */
+bool eng_stage_stray(const struct eng_scene *scene, struct eng_stage_fault *stray);
+
 /* Let, after begin, `threads` copy what follows, placed as those of a step are (step.h);
  * 1 and NULL unless this is called. */
 void eng_stage_share(struct eng_scene *scene, uint32_t threads,

@@ -393,7 +393,34 @@ bool eng_stage_overlaps(struct eng_scene *scene)
         const struct eng_write *above = &scene->writes[i];
         if (below->object == above->object &&
             above->first - below->first < below->count) {
+            scene->twice = (struct eng_stage_fault){.object_idx = above->object,
+                                                    .vertex = above->first};
             return true;
+        }
+    }
+    return false;
+}
+
+struct eng_stage_fault eng_stage_twice(const struct eng_scene *scene)
+{
+    return scene->twice;
+}
+
+/* All before what is bad has been copied, by however many threads. */
+bool eng_stage_stray(const struct eng_scene *scene, struct eng_stage_fault *stray)
+{
+    const struct eng_write *write = last_write(scene);
+    uint32_t v = scene->objects[write->object].vertices.first + write->first;
+    for (uint32_t end = write->has_start ? 0 : 1; end < 2; end++) {
+        const double *x = (end == 0 ? scene->start : ends_of_staging(scene))[v];
+        uint64_t at = common_first_stray(x, PCCD_FORMAT_F64, write->count);
+        for (uint32_t k = 0; k < 3 && at < write->count; k++) {
+            if (!common_is_coordinate(x[3 * at + k])) {
+                *stray = (struct eng_stage_fault){
+                    write->object, write->first + (uint32_t)at,
+                    scene->is_trial && write->has_start ? 2 : end, k, x[3 * at + k]};
+                return true;
+            }
         }
     }
     return false;

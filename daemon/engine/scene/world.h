@@ -279,6 +279,7 @@ struct eng_scene {
     struct eng_copiers copiers; /* of its writes */
     struct eng_write *writes;   /* [write_capacity] */
     uint32_t write_count, write_capacity;
+    struct eng_stage_fault twice;    /* the vertex that was written twice last */
     struct eng_joints joints;        /* of the last step, .. */
     uint32_t turning_count;          /* .. in which so many objects turned */
     struct eng_joints staged_joints; /* of the step being staged */

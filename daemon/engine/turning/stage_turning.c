@@ -59,8 +59,9 @@ int eng_stage_turning(struct eng_scene *scene, uint32_t object_idx, uint32_t joi
 const char *eng_turning_refuses(const struct eng_question *question)
 {
     return question->mode == PCCD_MODE_PAIRS ? "mode pairs"
-           : eng_asks_touching(question)     ? "what becomes of what touches"
-           : eng_asks_part(question)         ? "a part of a step"
-           : question->weigh                 ? "weights of candidates"
-                                             : NULL;
+           : eng_asks_touching(question)
+               ? "what becomes of what touches (`approach` takes what begins near)"
+           : eng_asks_part(question) ? "a part of a step"
+           : question->weigh         ? "weights of candidates"
+                                     : NULL;
 }

@@ -168,6 +168,40 @@ static int write_items(struct eng_mesh *engine,
     }
 }
 
+/* Say which of these vertices has a coordinate that is none: the client may have changed
+ * it since. */
+static int explain_stray(struct srv_request *request, uint32_t first, uint32_t count,
+                         const uint8_t *x)
+{
+    uint32_t format = request->params.MESH_DATA.format;
+    uint32_t at = 0;
+    double number = 0;
+    for (; at < 3 * count; at++) {
+        number = common_coordinate(x, format, at);
+        if (!common_is_coordinate(number)) {
+            break;
+        }
+    }
+    return proto_error_set(&request->error, PCCD_E_NOTFINITE,
+                           "%c of vertex %u is %g, not finite or beyond 1e18",
+                           (int)"xyz"[at % 3], first + at / 3, number);
+}
+
+/* The first vertex beyond the mesh that an item names. */
+static uint32_t bad_vertex(const struct srv_request *request, uint32_t item,
+                           const uint8_t *payload)
+{
+    uint64_t bytes = item_bytes_of(&request->params.MESH_DATA);
+    uint32_t vertex = 0;
+    for (uint64_t at = 0; at < bytes; at += sizeof vertex) {
+        memcpy(&vertex, payload + item * bytes + at, sizeof vertex);
+        if (vertex >= request->plan.shape->counts.vertices) {
+            break;
+        }
+    }
+    return vertex;
+}
+
 /* Copy the next part of a chunk from its slot into the engine's mesh. */
 static int copy_part(struct srv_request *request, struct eng_mesh *engine)
 {
@@ -184,12 +218,13 @@ static int copy_part(struct srv_request *request, struct eng_mesh *engine)
         return 0;
     case PCCD_E_INDEX:
         return proto_error_set(
-            &request->error, PCCD_E_INDEX, "%s %u names a vertex beyond the mesh's %u",
-            item_names[data->part][0], bad_item, request->plan.shape->counts.vertices);
+            &request->error, PCCD_E_INDEX,
+            "%s %u names vertex %u; the mesh has %u vertices, which begin at 0",
+            item_names[data->part][0], bad_item,
+            bad_vertex(request, bad_item - first, payload),
+            request->plan.shape->counts.vertices);
     case PCCD_E_NOTFINITE:
-        return proto_error_set(&request->error, PCCD_E_NOTFINITE,
-                               "a vertex from %u to %u is not finite or beyond 1e18",
-                               data->first, data->first + data->count - 1);
+        return explain_stray(request, first, count, payload);
     case PCCD_E_INVAL:
     case PCCD_E_LIMIT:
         return proto_error_set(
@@ -453,11 +488,11 @@ static int work_edges(struct srv_request *request)
         memcpy(data, eng_mesh_edges(engine) + edges->first,
                page.count * sizeof(struct pccd_edge));
     }
-    request->result.MESH_EDGES = (struct proto_MESH_EDGES_result){
-        .count = (uint32_t)page.count,
-        .offset = page.position,
-        .release = page.release,
-        .total = info.edge_count};
+    request->result.MESH_EDGES =
+        (struct proto_MESH_EDGES_result){.count = (uint32_t)page.count,
+                                         .offset = page.position,
+                                         .release = page.release,
+                                         .total = info.edge_count};
     return 0;
 }
 

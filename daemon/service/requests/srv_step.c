@@ -246,8 +246,9 @@ static int stage_mapped(struct srv_scene *scene, int status, struct proto_error 
         if (status == 0) {
             status = eng_stage_mapped(scene->engine, placed->engine_idx,
                                       placed->mapped == SRV_MAPPED_X0X1);
-            status = status == 0
-                         ? 0
+            status = status == 0 ? 0
+                     : status == PCCD_E_NOTFINITE
+                         ? srv_stage_explain_stray(scene, error)
                          : proto_error_set(error, status, "object 0x%x: %s",
                                            placed->handle, proto_status_text(status));
         } else {
@@ -297,6 +298,9 @@ static int explain(const struct srv_step_run *run, int status)
     const struct eng_step_result *found = run->result;
     struct proto_error *error = run->staging.error;
     const char *refused = eng_turning_refuses(run->question);
+    if (status == PCCD_E_SEGMENT) {
+        return srv_stage_explain_twice(run->item->scene, &run->staging, error);
+    }
     if (!run->params->is_near && status == PCCD_E_INVAL && refused != NULL) {
         return proto_error_set(error, status,
                                "the step: %s has no answer where objects turn", refused);

@@ -55,8 +55,8 @@ static int try(struct srv_held_frame *held, struct srv_scene *scene,
     srv_sent_end(&scene->sent); /* it has not come to its step */
     status = stage(held, scene, error);
     if (status == 0 && eng_stage_overlaps(engine)) {
-        status = proto_error_set(error, PCCD_E_SEGMENT,
-                                 "a vertex is written twice in this step");
+        status =
+            srv_stage_explain_twice(scene, &(struct srv_staging){.scene = scene}, error);
     }
     eng_stage_abort(engine);
     held->changes = scene->changes;

@@ -279,6 +279,57 @@ static int take_turning(struct srv_staging *staging, const struct proto_segment 
                                      : proto_status_text(status));
 }
 
+static uint32_t handle_of(const struct srv_scene *scene, uint32_t engine_idx)
+{
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        if (scene->placed[i].handle != 0 && scene->placed[i].engine_idx == engine_idx) {
+            return scene->placed[i].handle;
+        }
+    }
+    return 0;
+}
+
+int srv_stage_explain_stray(const struct srv_scene *scene, struct proto_error *error)
+{
+    static const char *const ends[3] = {" at t = 0", " at t = 1", ""};
+    struct eng_stage_fault stray;
+    return eng_stage_stray(scene->engine, &stray)
+               ? proto_error_set(error, PCCD_E_NOTFINITE,
+                                 "object 0x%x: %c of vertex %u is %g%s, not finite or "
+                                 "beyond 1e18",
+                                 handle_of(scene, stray.object_idx),
+                                 (int)"xyz"[stray.axis], stray.vertex, stray.x,
+                                 ends[stray.end])
+               : proto_error_set(error, PCCD_E_NOTFINITE, "a coordinate of a segment: %s",
+                                 proto_status_text(PCCD_E_NOTFINITE));
+}
+
+int srv_stage_explain_twice(const struct srv_scene *scene,
+                            const struct srv_staging *staging, struct proto_error *error)
+{
+    const struct eng_stage_fault twice = eng_stage_twice(scene->engine);
+    uint32_t object = handle_of(scene, twice.object_idx);
+    uint32_t count = 0;
+    uint32_t at[2] = {0, 0};
+    uint32_t segments = staging->tables_bytes > 0 ? staging->slot.segments : 0;
+    for (uint32_t i = 0; i < segments && count < 2; i++) {
+        const struct proto_segment *segment = &staging->table[i];
+        bool is_whole = segment->kind == PROTO_SEGMENT_TURNING;
+        if (segment->object == object &&
+            (is_whole || (twice.vertex >= segment->first &&
+                          twice.vertex - segment->first < segment->count))) {
+            at[count++] = i;
+        }
+    }
+    return count == 2 ? proto_error_set(error, PCCD_E_SEGMENT,
+                                        "vertex %u of object 0x%x is moved twice, by the "
+                                        "segments %u and %u of the step, from 0",
+                                        twice.vertex, object, at[0], at[1])
+                      : proto_error_set(error, PCCD_E_SEGMENT,
+                                        "vertex %u of object 0x%x is moved twice",
+                                        twice.vertex, object);
+}
+
 static bool may_move(const struct srv_staging *staging, const struct srv_placed *object)
 {
     return staging->member == NULL || object->member == staging->member;
@@ -316,12 +367,13 @@ static int take_segment(struct srv_staging *staging, const struct proto_segment 
                                object->vertex_count, object->generation);
     }
     status = copy_segment(staging, object, segment, bytes);
+    if (status == PCCD_E_NOTFINITE && segment->kind != PROTO_SEGMENT_RIGID) {
+        return srv_stage_explain_stray(staging->scene, staging->error);
+    }
     if (status != 0) {
         return proto_error_set(
             staging->error, status, "segment %u (object 0x%x, vertices from %u): %s", at,
-            segment->object, segment->first,
-            status == PCCD_E_SEGMENT ? "a vertex is written twice in this step"
-                                     : proto_status_text(status));
+            segment->object, segment->first, proto_status_text(status));
     }
     staging->copied += segment->kind == PROTO_SEGMENT_X1 ? bytes : 2 * bytes;
     return 0;

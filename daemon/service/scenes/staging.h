@@ -51,6 +51,14 @@ struct srv_staging {
  * threads. [compute], [team] */
 int srv_stage(struct srv_staging *staging);
 
+/* Say, after PCCD_E_NOTFINITE, which coordinate of an object is none. Returns
+ * PCCD_E_NOTFINITE. [compute], [team] */
+int srv_stage_explain_stray(const struct srv_scene *scene, struct proto_error *error);
+/* Say which vertex is written twice, and by which segments of the table, if it was
+ * copied. Returns PCCD_E_SEGMENT. [compute], [team] */
+int srv_stage_explain_twice(const struct srv_scene *scene,
+                            const struct srv_staging *staging, struct proto_error *error);
+
 /* Make a copy, of malloc, of what the step uses of its slot, *bytes of at most
  * `bytes_max`. Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses
  * more, or a segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
