@@ -251,7 +251,6 @@ struct near_settings : pccd_near_settings {
         struct_bytes = sizeof(pccd_near_settings);
         what = asked;
         distance = within;
-        end = 1;
     }
 };
 struct rays_settings : pccd_rays_settings {
@@ -682,8 +681,9 @@ public:
                                     double angle, double shift = 0,
                                     std::uint32_t parent = PCCD_NO_JOINT)
     {
-        return add([&](pccd_joint *to, std::uint32_t *count) {
-            return pccd_joints_screw(centre, axis, angle, shift, parent, to, count);
+        return add([&](pccd_joint *to, std::uint32_t room, std::uint32_t *count) {
+            return pccd_joints_screw(centre, axis, angle, shift, parent, to, room,
+                                     count);
         });
     }
     std::uint32_t screw(const vector &centre, const vector &axis, double angle,
@@ -696,8 +696,9 @@ public:
                                     std::int32_t turns = 0, const double *axis = nullptr,
                                     std::uint32_t parent = PCCD_NO_JOINT)
     {
-        return add([&](pccd_joint *where, std::uint32_t *count) {
-            return pccd_joints_poses(&from, &to, turns, axis, parent, where, count);
+        return add([&](pccd_joint *where, std::uint32_t room, std::uint32_t *count) {
+            return pccd_joints_poses(&from, &to, turns, axis, parent, where, room,
+                                     count);
         });
     }
     std::uint32_t poses(const pccd_pose &from, const pccd_pose &to,
@@ -711,9 +712,9 @@ public:
                                               const vector &w0, const vector &w1,
                                               std::uint32_t parent = PCCD_NO_JOINT)
     {
-        return add([&](pccd_joint *to, std::uint32_t *count) {
+        return add([&](pccd_joint *to, std::uint32_t room, std::uint32_t *count) {
             return pccd_joints_rotation_vector(origin0, origin1, w0, w1, parent, to,
-                                               count);
+                                               room, count);
         });
     }
     std::uint32_t rotation_vector(const vector &origin0, const vector &origin1,
@@ -750,9 +751,9 @@ private:
     template <class Call> result<std::uint32_t> add(const Call &call)
     {
         std::uint32_t count = static_cast<std::uint32_t>(all_.size());
-        all_.resize(all_.size() + PCCD_JOINTS_MOST);
-        const std::uint32_t first = count;
-        const int status = call(all_.data(), &count);
+        const std::uint32_t first = count, room = count + PCCD_JOINTS_MOST;
+        all_.resize(room);
+        const int status = call(all_.data(), room, &count);
         all_.resize(status == PCCD_OK ? count : first);
         if (status != PCCD_OK) {
             return error(status, pccd_error_text(nullptr));

@@ -50,7 +50,8 @@ static double turn(uint32_t scene, uint32_t door, double angle, uint64_t *hits)
     struct pccd_motion motion = {.object = door, .count = 4};
     uint32_t count = 0;
 
-    check(pccd_joints_screw(pin, axis, angle, 0, PCCD_NO_JOINT, joints, &count));
+    check(pccd_joints_screw(pin, axis, angle, 0, PCCD_NO_JOINT, joints, PCCD_JOINTS_MOST,
+                            &count));
     settings.joints = joints;
     settings.joint_count = count;
     motion.first = count - 1; /* the door hangs on the last of them */

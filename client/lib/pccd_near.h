@@ -58,9 +58,9 @@ struct pccd_near_settings {
     double gap;      /* NEAREST: the search may end early, with a pair that is farther
                         than the nearest by at most that; the answer then has no hash.
                         0: the pair is the nearest */
-    uint32_t end;    /* 1 (the default): where the last step ended; 0: where it began
-                        (which is not always known, see pccd_submit_near). Before the
-                        first step both are the registered positions */
+    bool at_begin;   /* false: where the last step ended; true: where it began (which is
+                        not always known, see pccd_submit_near). Before the first step
+                        both are the registered positions */
     uint32_t object_a, object_b; /* NEAREST, DEPTH: these two objects, or one with all
                         others; VERTICES: object_a alone; 0: all */
     /* These four have the meaning that they have in struct pccd_step_settings. NEAREST
@@ -82,7 +82,7 @@ struct pccd_near_settings {
 
 #define PCCD_NEAR_SETTINGS_INIT                                                          \
     {                                                                                    \
-        .struct_bytes = sizeof(struct pccd_near_settings), .end = 1                      \
+        .struct_bytes = sizeof(struct pccd_near_settings)                                \
     }
 
 /* Ask, and do not wait. If there are motions, the objects move first, as in a step, but
@@ -105,12 +105,12 @@ struct pccd_near_settings {
  *     verdict   CROSSINGS: NO: nothing crosses or touches: the state is free of
  *               intersections; YES: something does. Others: NONE
  *
- * Where the last step began (`end` 0) is not always known:
+ * Where the last step began (`at_begin`) is not always known:
  * - A step or a question that fails while its positions are read, as by E_NOTFINITE,
  *   moves nothing. The objects that it named then count as if they had stood still: they
  *   began where they are.
  * - After a crash the library brings all objects to their places in a new daemon. Until
- *   something moves again, `end` 0 without motions is E_STATE.
+ *   something moves again, `at_begin` without motions is E_STATE.
  *
  * Further pages come by pccd_fetch, with *step, until the scene's next request about what
  * is near. The answer of the last step stays valid beside it. DEPTH of a mesh whose
@@ -121,7 +121,7 @@ int pccd_submit_near(struct pccd_client *client, uint32_t scene,
                      const struct pccd_motion *motions, uint32_t motion_count,
                      const struct pccd_near_settings *settings, uint64_t *step);
 /* Publish a frame that was begun by pccd_frame_begin, and ask about the positions to
- * which it moves the objects (with `end` 0: from which). */
+ * which it moves the objects (with `at_begin`: from which). */
 int pccd_frame_commit_near(struct pccd_frame *frame,
                            const struct pccd_near_settings *settings, uint64_t *step);
 /* Ask as pccd_submit_near does, and wait for the answer, like pccd_step. */

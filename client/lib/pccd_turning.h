@@ -11,7 +11,7 @@
  *     struct pccd_joint joints[PCCD_JOINTS_MOST];
  *     uint32_t count = 0;
  *     pccd_joints_screw(pin, (double[3]){0, 0, 1}, M_PI / 2, 0, PCCD_NO_JOINT, joints,
- *                       &count);
+ *                       PCCD_JOINTS_MOST, &count);
  *     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
  *     settings.joints = joints;
  *     settings.joint_count = count;
@@ -50,20 +50,21 @@ struct pccd_frame;
 
 /* ---- what makes joints ------------------------------------------------------------- */
 
-/* Each adds up to PCCD_JOINTS_MOST joints to a table: joints[*count] and so on, which the
- * caller has room for, on the joint `parent` (PCCD_NO_JOINT: the world). Then *count is
- * how many there are, and *count - 1 the joint that a body hangs on. Lengths are in the
+/* Each adds up to PCCD_JOINTS_MOST joints to a table, joints[room]: joints[*count] and so
+ * on, on the joint `parent` (PCCD_NO_JOINT: the world). *count is 0 of a new table, such
+ * as that of the next step; afterwards it is how many there are, and *count - 1 the joint
+ * that a body hangs on. Lengths are in the
  * unit of coordinates, angles in radians, any finite ones of at most 2^20 turns; positive
  * is right-handed. A vector that says a direction may have any length from 1e-9 to 1e9.
  * Errors: E_INVAL: a pointer is NULL, a parent that is not in the table, a number that is
  * not finite or beyond 1e18, a vector or quaternion without direction, an angle that is
- * too large. */
+ * too large; E_LIMIT: room for less than PCCD_JOINTS_MOST more. */
 
 /* Turn by `angle` about the axis through `centre`, and go by `shift` along it meanwhile:
  * x(t) = centre + R(axis, angle t) (x - centre) + t shift axis / |axis|. */
 int pccd_joints_screw(const double centre[3], const double axis[3], double angle,
                       double shift, uint32_t parent, struct pccd_joint *joints,
-                      uint32_t *count);
+                      uint32_t room, uint32_t *count);
 
 /* Where a body is: x is at position + R(rotation) x. */
 struct pccd_pose {
@@ -81,14 +82,15 @@ struct pccd_pose {
  * turn: the angle is rounded, and computed by the C library. */
 int pccd_joints_poses(const struct pccd_pose *from, const struct pccd_pose *to,
                       int32_t turns, const double axis[3], uint32_t parent,
-                      struct pccd_joint *joints, uint32_t *count);
+                      struct pccd_joint *joints, uint32_t room, uint32_t *count);
 
 /* Go from one pose to another, with the rotation vector going straight from w0 to w1, as
  * codes for rigid bodies interpolate it: x(t) = origin(t) + R(w(t) / |w(t)|, |w(t)|) x,
  * both linear in t. */
 int pccd_joints_rotation_vector(const double origin0[3], const double origin1[3],
                                 const double w0[3], const double w1[3], uint32_t parent,
-                                struct pccd_joint *joints, uint32_t *count);
+                                struct pccd_joint *joints, uint32_t room,
+                                uint32_t *count);
 
 /* Set `rotation` to the quaternion (x y z w, of length 1, w not negative) of a transform,
  * rows of [R | t], whose R is a rotation: R^T R differs from 1 by at most 1e-6 in each

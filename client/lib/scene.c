@@ -191,6 +191,10 @@ int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
     if (settings == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
     }
+    if (settings->what == 0) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "object.set: what is 0, it names nothing to set");
+    }
     status = check_settings(client, settings);
     if (status != 0) {
         return status;

@@ -143,7 +143,7 @@ static int describe_near(struct pccd_client *client, const void *asked, uint32_t
     *message =
         (struct proto_SCENE_NEAR_request){.scene = scene,
                                           .what = (uint32_t)settings.what,
-                                          .end = settings.end,
+                                          .end = settings.at_begin ? 0 : 1,
                                           .distance = settings.distance,
                                           .gap = settings.gap,
                                           .object_a = settings.object_a,

@@ -25,13 +25,19 @@ static int refuse(const char *what, const char *why)
 }
 
 static int begin(struct chain *chain, const char *what, uint32_t parent,
-                 struct pccd_joint *joints, const uint32_t *count)
+                 struct pccd_joint *joints, uint32_t room, const uint32_t *count)
 {
     if (joints == NULL || count == NULL) {
         return refuse(what, joints == NULL ? "joints is NULL" : "count is NULL");
     }
     if (parent != PCCD_NO_JOINT && parent >= *count) {
         return refuse(what, "the parent is not in the table");
+    }
+    if (*count > room || room - *count < PCCD_JOINTS_MOST) {
+        return cli_fail(NULL, PCCD_E_LIMIT,
+                        "%s: the table has %u joints and room for %u, a call may add %u; "
+                        "a new table begins with the count 0",
+                        what, *count, room, PCCD_JOINTS_MOST);
     }
     *chain = (struct chain){.joints = joints, .first = *count, .parent = parent};
     return 0;
@@ -73,12 +79,12 @@ static int end(const struct chain *chain, const char *what, uint32_t *count)
 
 int pccd_joints_screw(const double centre[3], const double axis[3], double angle,
                       double shift, uint32_t parent, struct pccd_joint *joints,
-                      uint32_t *count)
+                      uint32_t room, uint32_t *count)
 {
     static const char what[] = "joints_screw";
     struct chain chain;
     struct pccd_joint *turn;
-    int status = begin(&chain, what, parent, joints, count);
+    int status = begin(&chain, what, parent, joints, room, count);
 
     if (status != 0) {
         return status;
@@ -105,11 +111,11 @@ int pccd_joints_screw(const double centre[3], const double axis[3], double angle
 
 int pccd_joints_rotation_vector(const double origin0[3], const double origin1[3],
                                 const double w0[3], const double w1[3], uint32_t parent,
-                                struct pccd_joint *joints, uint32_t *count)
+                                struct pccd_joint *joints, uint32_t room, uint32_t *count)
 {
     static const char what[] = "joints_rotation_vector";
     struct chain chain;
-    int status = begin(&chain, what, parent, joints, count);
+    int status = begin(&chain, what, parent, joints, room, count);
 
     if (status != 0) {
         return status;
@@ -189,13 +195,13 @@ static int choose(const char *what, double q[4], const double axis[3], struct wa
 
 int pccd_joints_poses(const struct pccd_pose *from, const struct pccd_pose *to,
                       int32_t turns, const double axis[3], uint32_t parent,
-                      struct pccd_joint *joints, uint32_t *count)
+                      struct pccd_joint *joints, uint32_t room, uint32_t *count)
 {
     static const char what[] = "joints_poses";
     struct chain chain;
     struct way way;
     double a[4], b[4], q[4];
-    int status = begin(&chain, what, parent, joints, count);
+    int status = begin(&chain, what, parent, joints, room, count);
 
     if (status != 0) {
         return status;

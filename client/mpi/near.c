@@ -45,10 +45,10 @@ static int check(struct pccd_mpi *world, const struct pccd_near_settings *near)
     bool is_nearest = near->what == PCCD_NEAR_NEAREST;
     bool is_far = is_nearest && near->distance == INFINITY;
     int status = PCCD_OK;
-    if ((unsigned)near->what >= PCCD_NEAR_COUNT || near->end > 1 ||
+    if ((unsigned)near->what >= PCCD_NEAR_COUNT ||
         (unsigned)near->method >= PCCD_METHOD_COUNT) {
         return ranks_fail(&world->link, PCCD_E_INVAL,
-                          "there is no such question, end or method");
+                          "there is no such question or method");
     }
     if (near->joint_count > 0) {
         return ranks_fail(&world->link, PCCD_E_INVAL,
@@ -71,7 +71,7 @@ static uint64_t hash_of(const struct pccd_near_settings *near)
     uint64_t hash = ranks_hash(2, &near->what, sizeof near->what);
     hash = ranks_hash(hash, &near->distance, sizeof near->distance);
     hash = ranks_hash(hash, &near->gap, sizeof near->gap);
-    hash = ranks_hash(hash, &near->end, sizeof near->end);
+    hash = ranks_hash(hash, &near->at_begin, sizeof near->at_begin);
     hash = ranks_hash(hash, &near->object_a, sizeof near->object_a);
     hash = ranks_hash(hash, &near->object_b, sizeof near->object_b);
     hash = ranks_hash(hash, &near->threads, sizeof near->threads);

@@ -248,8 +248,8 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
     struct ranks_side_scene side = {.count = 0};
     struct ranks_pairing pairing = {.world = world, .near = near};
     uint64_t begin_ns = common_now_ns();
-    int status = ranks_positions_fetch(
-        world, near->end == 1 ? RANKS_END : RANKS_BEGIN, &pairing.x);
+    int status = ranks_positions_fetch(world, near->at_begin ? RANKS_BEGIN : RANKS_END,
+                                       &pairing.x);
     if (status == PCCD_OK) {
         status = ranks_agree_on(
             &world->link,

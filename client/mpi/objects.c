@@ -189,6 +189,9 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
     status = status == PCCD_OK ? check_length(world, now.rest_distance) : status;
     if (settings == NULL) {
         status = ranks_missing(&world->link, "settings");
+    } else if (status == PCCD_OK && asked.what == 0) {
+        status =
+            ranks_fail(&world->link, PCCD_E_INVAL, "what is 0, it names nothing to set");
     }
     if (status == PCCD_OK && now.rest_rings > RINGS_MAX) {
         status = ranks_fail(&world->link, PCCD_E_LIMIT, "rest_rings are at most %u",

@@ -163,8 +163,9 @@ static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     struct ranks_link *link = &world->link;
     size_t bytes = (size_t)ROWS * world->object_count;
-    bool is_at_begin = moment->near != NULL &&
-                       common_near_reads_begin(moment->near->what, moment->near->end);
+    bool is_at_begin =
+        moment->near != NULL &&
+        common_near_reads_begin(moment->near->what, moment->near->at_begin ? 0 : 1);
     int status = ranks_motions_take(world, moment->motions, moment->motion_count);
     look(world, moment);
     if (moment->near != NULL && moment->motion_count == 0) {
@@ -268,8 +269,8 @@ static int commit(struct pccd_mpi *world, const struct ranks_moment *moment,
         all.object_a = all.object_b = 0; /* bounds are of all that is near */
         all.deadline_ns = ranks_stop_rest(&world->stop);
         if (frame->segment_count == 0) {
-            all.end =
-                1; /* here both are where it stands; libpccd thinks of its last step */
+            all.at_begin = false; /* here both are where it stands; libpccd thinks of
+                                     its last step */
         }
         status = pccd_frame_commit_near(frame, &all, &step);
     } else {

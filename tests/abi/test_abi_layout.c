@@ -252,7 +252,7 @@ CASE(near__structs_keep_their_layout)
     AT(pccd_near_settings, what, 8);
     AT(pccd_near_settings, distance, 16);
     AT(pccd_near_settings, gap, 24);
-    AT(pccd_near_settings, end, 32);
+    AT(pccd_near_settings, at_begin, 32);
     AT(pccd_near_settings, object_a, 36);
     AT(pccd_near_settings, object_b, 40);
     AT(pccd_near_settings, threads, 44);

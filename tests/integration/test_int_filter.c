@@ -119,7 +119,6 @@ CASE_WITH(filter__changes_between_steps_in_flight, setup, teardown)
         assert_true(turn() > 0);
     }
     check_object(1, 3, true);
-    set(0, 5, 5, false); /* nothing is named */
     check_object(1, 3, true);
 }
 
@@ -270,7 +269,7 @@ CASE_WITH(filter__refuses_what_cannot_be, setup, teardown)
     struct {
         struct pccd_object_settings settings;
         uint64_t of_a_newer_release;
-    } newer = {.of_a_newer_release = 1};
+    } newer = {.settings.what = PCCD_OBJECT_USER_DATA, .of_a_newer_release = 1};
     struct pccd_object_settings settings = {.what = COMMON_OBJECT_KNOWN + 1};
     char bit[16];
     const uint32_t scene = crossing.scene;
@@ -279,6 +278,9 @@ CASE_WITH(filter__refuses_what_cannot_be, setup, teardown)
     assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
     (void)snprintf(bit, sizeof bit, "0x%x", COMMON_OBJECT_KNOWN + 1);
     assert_non_null(strstr(pccd_error_text(client), bit));
+    settings.what = 0;
+    assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(client), "names nothing"));
     assert_int_equal(pccd_object_set(client, scene, object, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_object_get(client, scene, object, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_object_set(NULL, scene, object, &settings), PCCD_E_INVAL);

@@ -229,7 +229,7 @@ CASE(near__moves_and_asks_at_once)
         struct pccd_answer page = PCCD_ANSWER_INIT;
         settings_t settings = defaults;
         settings.distance = WITHIN;
-        settings.end = turn / 2 == 0;
+        settings.at_begin = turn / 2 != 0;
         move_to(&apart, z);
         test_grid_positions(&once, z);
         const struct pccd_motion motion = {.object = once.object,
@@ -239,7 +239,8 @@ CASE(near__moves_and_asks_at_once)
         assert_ok(pccd_ask_near(once.client, once.scene, &motion, 1, &settings, &page));
         expect_same(ask(apart.client, apart.scene, &settings),
                     read_all(once.client, once.scene, &page));
-        settings.end = !settings.end; /* of the same movement, which is the last */
+        settings.at_begin =
+            !settings.at_begin; /* of the same movement, which is the last */
         expect_same(ask(apart.client, apart.scene, &settings),
                     ask(once.client, once.scene, &settings));
     }
@@ -390,7 +391,7 @@ CASE(near__leaves_steps_as_they_are)
         struct pccd_answer b = PCCD_ANSWER_INIT;
         float z = turn % 2 == 0 ? -0.02f : 0.02f;
         settings.what = whats[(unsigned)turn % WHATS];
-        settings.end = (uint32_t)turn / 2 % 2;
+        settings.at_begin = turn / 2 % 2 == 0;
         free(ask(asked.client, asked.scene, &settings).records);
         step_to(&asked, z, &a);
         step_to(&silent, z, &b);
@@ -427,7 +428,6 @@ CASE_CROSSING(near__refuses_by_name)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     const struct refusal rows[] = {
         {ASKED(.what = (enum pccd_near_what)6), PCCD_E_INVAL, "unknown what 6"},
-        {ASKED(.end = 2), PCCD_E_INVAL, "unknown end 2"},
         {ASKED(.method = PCCD_METHOD_COUNT), PCCD_E_INVAL, "unknown method 3"},
         {ASKED(.tuning = "steal"), PCCD_E_INVAL, "tuning: "},
         {ASKED(.distance = -0.5), PCCD_E_INVAL, "distance is -0.5, not 0 to 1e+18"},
@@ -502,7 +502,7 @@ static double distance_at(struct test_crossing *crossing, uint32_t end)
 
     settings.what = PCCD_NEAR_NEAREST;
     settings.distance = INFINITY;
-    settings.end = end;
+    settings.at_begin = end == 0;
     assert_ok(
         pccd_ask_near(crossing->client, crossing->scene, NULL, 0, &settings, &answer));
     pccd_answer_release(crossing->client, &answer);

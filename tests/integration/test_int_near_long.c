@@ -347,7 +347,7 @@ CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
     uint64_t step = 0;
 
     start_with(supervised, SIDE_SMALL);
-    settings.end = 0;
+    settings.at_begin = true;
     settings.distance = 0.05;
     kill_worker();
     ask_whole(NULL, &settings, &answer); /* nothing has moved: as registered */
@@ -359,10 +359,10 @@ CASE_WITH(near__knows_no_beginning_after_a_crash, NULL, teardown)
     assert_int_equal(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer),
                      PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(client), "is not known"));
-    settings.end = 1;
+    settings.at_begin = false;
     ask_whole(NULL, &settings, &answer);
     pccd_answer_release(client, &answer);
-    settings.end = 0;
+    settings.at_begin = true;
     for (uint32_t asks = 0; asks < 2; asks++) { /* from the next step on it is */
         motion = motion_to(asks ? 0.1f : 0.2f);
         if (asks) {

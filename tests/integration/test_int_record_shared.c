@@ -197,7 +197,7 @@ static void step(struct member *member, struct member *other)
 
 static void set(struct member *member)
 {
-    const struct pccd_object_settings settings = {.what = (uint32_t)draw(8),
+    const struct pccd_object_settings settings = {.what = 1 + (uint32_t)draw(7),
                                                   .self_collision = draw(2) == 0,
                                                   .group = 1 + draw(3),
                                                   .mask = 1 + draw(3)};
@@ -363,7 +363,7 @@ static void ask_start(struct member *member)
 
     settings.what = PCCD_NEAR_PAIRS;
     settings.distance = 1.5;
-    settings.end = 0;
+    settings.at_begin = true;
     assert_ok(pccd_ask_near(member->client, member->scene, NULL, 0, &settings, &answer));
     assert_true(answer.total > 0);
     pccd_answer_release(member->client, &answer);

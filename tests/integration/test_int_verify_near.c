@@ -36,7 +36,7 @@ static void ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what 
     settings.what = what;
     settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1;
     settings.gap = what == PCCD_NEAR_NEAREST && end == 1 ? 0 : .125; /* else no use */
-    settings.end = end;
+    settings.at_begin = end == 0;
     settings.tells_crossings = what == PCCD_NEAR_VERTICES;
     ask_with(client, scene, motion, &settings);
 }

@@ -50,7 +50,7 @@ static void record_clear(double angle, enum pccd_mode mode, double clearance,
         assert_ok(pccd_pair_clearance(client, scene, door, post, clearance));
     }
     assert_ok(pccd_joints_screw((double[3]){0, 0, 0}, (double[3]){0, 0, 1}, angle, 0,
-                                PCCD_NO_JOINT, joints, &count));
+                                PCCD_NO_JOINT, joints, PCCD_JOINTS_MOST, &count));
     const struct pccd_motion motion = {.object = door, .first = count - 1, .count = 4};
     for (uint32_t i = 0; i < count && begins != 0; i++) {
         joints[i].from[0] = joints[i].kind == PCCD_JOINT_TURN ? begins : 0;

@@ -499,18 +499,17 @@ static void compare_answers(const struct pccd_answer *a, const struct pccd_answe
     if (a->total == b->total && memcmp(a->counts, b->counts, sizeof a->counts) == 0 &&
         a->possible == b->possible && a->initial == b->initial &&
         a->inside == b->inside && a->coincident == b->coincident &&
-        a->crowded == b->crowded &&
-        a->crossings == b->crossings && a->start_inside == b->start_inside &&
-        same_double(a->toi_first, b->toi_first) &&
+        a->crowded == b->crowded && a->crossings == b->crossings &&
+        a->start_inside == b->start_inside && same_double(a->toi_first, b->toi_first) &&
         same_double(a->safe_step, b->safe_step) && a->verdict == b->verdict &&
         a->incomplete == b->incomplete && memcmp(a->hash, b->hash, sizeof a->hash) == 0) {
         return;
     }
     snprintf(text, sizeof text,
              "mode %d: total %" PRIu64 " and %" PRIu64 ", initial %" PRIu64
-             " and %" PRIu64 ", inside %" PRIu64 " and %" PRIu64
-             ", crossings %" PRIu64 " and %" PRIu64 ", inside at first %" PRIu64
-             " and %" PRIu64 ", crowded %d and %d, toi %.17g and %.17g"
+             " and %" PRIu64 ", inside %" PRIu64 " and %" PRIu64 ", crossings %" PRIu64
+             " and %" PRIu64 ", inside at first %" PRIu64 " and %" PRIu64
+             ", crowded %d and %d, toi %.17g and %.17g"
              ", safe %.17g and %.17g, verdict %d and %d, incomplete %d and %d"
              ", hash %016" PRIx64 " and %016" PRIx64,
              (int)a->mode, a->total, b->total, a->initial, b->initial, a->inside,
@@ -623,7 +622,7 @@ static struct pccd_near_settings choose_question(void)
     settings.distance = fmin(settings.distance, test.farthest);
     settings.gap = settings.what == PCCD_NEAR_NEAREST && chance(0.1) ? 0.01 : 0;
     settings.tells_crossings = chance(0.5);
-    settings.end = chance(0.7);
+    settings.at_begin = chance(0.3);
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;
     settings.deadline_ns = chance(0.03) ? 1 : 0;
@@ -664,8 +663,8 @@ static void compare_questions(const struct pccd_near_settings *settings,
                ", verdict %d and %d, incomplete %d and %d, crossings %" PRIu64
                " and %" PRIu64 ", from %.17g and %.17g to %.17g and %.17g, hash %" PRIx64
                " and %" PRIx64 "\n",
-               (int)settings->what, settings->distance, settings->end, one->total,
-               answer->total, (int)one->verdict, (int)answer->verdict,
+               (int)settings->what, settings->distance, settings->at_begin ? 0u : 1u,
+               one->total, answer->total, (int)one->verdict, (int)answer->verdict,
                (int)one->incomplete, (int)answer->incomplete, one->crossings,
                answer->crossings, one->distance_min, answer->distance_min,
                one->distance_max, answer->distance_max, one->hash[1], answer->hash[1]);

@@ -91,8 +91,14 @@ class Programs(Case):
             for answer in (*old, *new, worlds):
                 answer.release()
                 answer.release()
-            assert len(old[0].contacts) == len(worlds.scenes) == 0
-            assert len(worlds.contacts(0)) == 0
+            for look in (lambda: old[0].contacts, lambda: worlds.scenes,
+                         lambda: worlds.contacts(0)):
+                try:
+                    look()
+                except pccd.PccdError as error:
+                    assert error.name == "E_STATE" and "is released" in error.text
+                else:
+                    raise AssertionError("records after release()")
             assert np.allclose(kept["toi"], [0.5])
             """)
 
@@ -205,7 +211,8 @@ class Threads(Case):
         self.assertEqual(lib.pccd_ping(client._handle, round_trip.ctypes.data), busy)
         self.assertIn(b"another thread", lib.pccd_error_text(client._handle))
         held.release()  # as soon as somebody calls
-        self.assertEqual(len(held.records), 0)
+        self.assertIn("is released",
+                      self.fails(pccd.Status.E_STATE, lambda: held.records).text)
         batch = None
         gc.collect()
         self.assertTrue(thread.is_alive())
@@ -412,7 +419,7 @@ class Arguments(Case):
                         {"deadline_ns": None}, {"tolerance": "small"}, {"tuning": 7}):
             self.fails(invalid, pccd.StepSettings, **options)
         self.assertEqual(pccd.StepSettings(deadline_ns=1e9).deadline_ns, 1e9)
-        for options in ({"distance": "far"}, {"gap": None}, {"end": -1},
+        for options in ({"distance": "far"}, {"gap": None}, {"object_b": -1},
                         {"object_a": 1 << 32}, {"distance": float("nan")}):
             self.fails(invalid, self.client.near, scene, **options)
         for attributes in ({"radius": "thick"}, {"group": -1}, {"mask": 1 << 64},

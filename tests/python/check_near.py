@@ -67,7 +67,7 @@ class Near(Case):
             down.x0x1(tent, TENT, dropped(0.5))
             with client.near(scene, distance=0.5, motions=down) as answer:
                 self.assertEqual(answer.near["d_lo"].tolist(), [0.5])
-            with client.near(scene, distance=1.0, end=0) as answer:
+            with client.near(scene, distance=1.0, at_begin=True) as answer:
                 self.assertEqual(answer.hash, want)
             client.scene_destroy(scene)
         client.close()
@@ -122,7 +122,7 @@ class Near(Case):
                 client.near(scene, distance=1.0).release()
                 if name:
                     self.move_by_near(other, other.scene_create(**shared))
-                client.near(scene, pccd.NearWhat.VERTICES, 0.5, 0, down,
+                client.near(scene, pccd.NearWhat.VERTICES, 0.5, True, down,
                             tuning="still=anew").release()
                 client.step_x1(scene, tent, TENT).release()
                 self.assertEqual(client.record_stop().status, 0)

@@ -64,7 +64,7 @@ class Points(Supervised):
             length = np.linalg.norm(between, axis=1)
             first = answer.contacts["flags"] & pccd.ContactFlag.INITIAL
             np.testing.assert_allclose(length[first == 0], 0.5, atol=1e-5)
-        with client.near(scene, "pairs", 0.75, end=0) as answer:
+        with client.near(scene, "pairs", 0.75, at_begin=True) as answer:
             stencils = answer.stencils(scene)
             self.assertGreater(len(stencils.at), 10)
             x = x0[stencils.vertices] * stencils.weights[..., None]

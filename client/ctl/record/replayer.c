@@ -409,7 +409,7 @@ static int submit_near(struct replayer *replayer, const struct recorded_item *it
                                           .what = (enum pccd_near_what)near->what,
                                           .distance = near->distance,
                                           .gap = near->gap,
-                                          .end = near->end,
+                                          .at_begin = near->end == 0,
                                           .object_a = near->objects[0],
                                           .object_b = near->objects[1],
                                           .threads = item->frame.threads,

@@ -180,7 +180,7 @@ static int look_for(struct sweep *sweep, enum pccd_near_what what, struct sweep_
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings.what = what;
-    settings.end = 0;
+    settings.at_begin = true;
     settings.threads = sweep->threads;
     int status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
     if (status == PCCD_OK && answer.count > 0) {
@@ -285,7 +285,7 @@ int sweep_nearest(struct sweep *sweep, const double *values, uint32_t shapes[2],
     struct sweep_hit hit;
     settings.what = PCCD_NEAR_NEAREST;
     settings.distance = INFINITY;
-    settings.end = 0;
+    settings.at_begin = true;
     settings.threads = sweep->threads;
     int status = sweep_ask(sweep, values, values, 0, 1, &hit);
     if (status != PCCD_OK) {

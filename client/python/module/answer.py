@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import abi
-from .abi import Mode, NearWhat
+from .abi import Mode, NearWhat, Status
 from .library import PccdError, quick
 from .memory import Span
 from .points import Stencils
-from .values import CONTACT, NEAR, PAIR, StepCounters, StepTimes, hash_text
+from .values import CONTACT, NEAR, PAIR, StepCounters, StepTimes, hash_text, refusal
 
 _contacts: Any = abi.pccd_answer.contacts
 _pairs: Any = abi.pccd_answer.pairs
@@ -46,6 +46,7 @@ class Held:
 
     _client: Any = None
     _span: Optional[Span] = None  # None: there are no records, or none any more
+    _is_released = False
 
     def _come(self, client: Any) -> None:
         self._client, base = client, self._base()
@@ -55,6 +56,11 @@ class Held:
     def _base(self) -> Any:
         """Where the records are; None or 0: there are none."""
         raise NotImplementedError
+
+    def _refuse_released(self) -> None:
+        if self._is_released:
+            raise refusal(Status.E_STATE, "the answer is released, and its records with "
+                          "it: copy before what is to stay")
 
     def _go(self) -> None:
         """Give the records back, now or, while another thread is in a call, later."""
@@ -132,7 +138,8 @@ class Answer(abi.pccd_answer, Held):
 
     @property
     def records(self) -> NDArray[Any]:
-        """The records of this page; none after release()."""
+        """The records of this page. E_STATE: they are released."""
+        self._refuse_released()
         if self._span is None:
             return np.empty(0, self._dtype())
         if self._records is None:
@@ -196,6 +203,7 @@ class Answer(abi.pccd_answer, Held):
 
     def release(self) -> None:
         """Give the records back, in any order of answers. Copy before what is to stay."""
+        self._is_released = True
         if self._span is not None:
             self._records = None
             self._go()

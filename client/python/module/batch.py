@@ -66,7 +66,8 @@ class BatchAnswer(abi.pccd_batch_answer, Held):
 
     @property
     def scenes(self) -> NDArray[Any]:
-        """An answer for each scene; none after release()."""
+        """An answer for each scene. E_STATE: they are released."""
+        self._refuse_released()
         return np.empty(0, SCENE) if self._span is None else \
             self._span.array(SCENE, self.count, self.offset)
 
@@ -75,6 +76,7 @@ class BatchAnswer(abi.pccd_batch_answer, Held):
         return bytes(self.scenes[scene]["why"]).split(b"\0")[0].decode(errors="replace")
 
     def _records(self, dtype: Any, scene: int) -> NDArray[Any]:
+        self._refuse_released()
         if self._span is None or (dtype is PAIR) != (self.mode == Mode.PAIRS):
             return np.empty(0, dtype)
         one = self.scenes[scene]
@@ -91,6 +93,7 @@ class BatchAnswer(abi.pccd_batch_answer, Held):
 
     def release(self) -> None:
         """Give the answers and their records back. Copy before what is to stay."""
+        self._is_released = True
         if self._span is not None:
             self._go()
 

@@ -228,7 +228,7 @@ class Client(Observe):
     # -- what is near --
 
     def submit_near(self, scene: int, what: Union[int, str] = NearWhat.PAIRS,
-                    distance: Optional[float] = None, end: int = 1,
+                    distance: Optional[float] = None, at_begin: bool = False,
                     motions: Optional[Motions] = None, **settings: Any) -> int:
         """Ask what is near, after `motions` if there are any; its number, among those of
         steps. poll, wait, fetch, pages, cancel and abandon take it as a step's.
@@ -239,7 +239,7 @@ class Client(Observe):
         distance    0 .. 1e18: exactly that is within it; of NEAREST also math.inf. None:
                     of NEAREST math.inf, of PAIRS and FEATURES 0, what touches; VERTICES
                     wants one
-        end         1: where the last step ended, or the motions; 0: where it began
+        at_begin    False: where the last step ended, or the motions; True: where it began
         tells_crossings    of PAIRS, FEATURES and VERTICES: count what crosses, too.
                     Pairs of an object with itself are left out, here and in steps, if
                     its self_collision is False (object_set)
@@ -247,12 +247,13 @@ class Client(Observe):
         object_a, object_b    of NEAREST and DEPTH, object_a also of VERTICES; 0: any
         method, threads, tuning, deadline_ns    as of StepSettings
         """
-        return self._submit_near(scene, what, distance, end, motions, settings).value
+        return self._submit_near(scene, what, distance, at_begin, motions, settings).value
 
     def _submit_near(self, scene: int, what: Union[int, str], distance: Optional[float],
-                     end: int, motions: Optional[Motions],
+                     at_begin: bool, motions: Optional[Motions],
                      settings: Dict[str, Any]) -> ctypes.c_uint64:
-        asked, step = near_settings(what, distance, end, **settings), ctypes.c_uint64()
+        asked, step = near_settings(what, distance, at_begin, **settings), \
+            ctypes.c_uint64()
         structs, count = (None, 0) if motions is None else \
             (motions._structs, motions._count)
         if motions is not None:
@@ -262,7 +263,7 @@ class Client(Observe):
         return step
 
     def near(self, scene: int, what: Union[int, str] = NearWhat.PAIRS,
-             distance: Optional[float] = None, end: int = 1,
+             distance: Optional[float] = None, at_begin: bool = False,
              motions: Optional[Motions] = None, **settings: Any) -> Answer:
         """The same as submit_near, and wait for the answer. On E_TIMEOUT it is
         abandoned.
@@ -270,7 +271,7 @@ class Client(Observe):
             with client.near(scene, distance=0.01) as answer:
                 print(answer.total, answer.near["d_lo"].min(initial=1))
         """
-        return self._finish(self._submit_near(scene, what, distance, end, motions,
+        return self._finish(self._submit_near(scene, what, distance, at_begin, motions,
                                               settings))
 
     def poll(self) -> Optional[Answer]:

@@ -110,7 +110,8 @@ def _add(call: Any, joints: Optional[NDArray[Any]], parent: int,
     if joints is not None:
         table[:first] = joints
     count = ctypes.c_uint32(first)
-    _check(call(*given, u32("parent", parent), table.ctypes.data, ctypes.byref(count)))
+    _check(call(*given, u32("parent", parent), table.ctypes.data, len(table),
+                ctypes.byref(count)))
     return table[:count.value]
 
 

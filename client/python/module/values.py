@@ -159,8 +159,8 @@ def object_settings(attributes: Dict[str, Any]) -> abi.pccd_object_settings:
 
 
 def near_settings(what: Union[int, str] = NearWhat.PAIRS,
-                  distance: Optional[float] = None, end: int = 1, gap: float = 0.0,
-                  object_a: int = 0, object_b: int = 0,
+                  distance: Optional[float] = None, at_begin: bool = False,
+                  gap: float = 0.0, object_a: int = 0, object_b: int = 0,
                   method: Union[int, str] = Method.DEFAULT, threads: int = 0,
                   tuning: str = "", deadline_ns: int = 0,
                   tells_crossings: bool = False) -> abi.pccd_near_settings:
@@ -172,7 +172,7 @@ def near_settings(what: Union[int, str] = NearWhat.PAIRS,
                       "and there is none")
     if distance is None:
         distance = math.inf if what == NearWhat.NEAREST else 0.0
-    for name, given in (("what", what), ("distance", distance), ("end", end),
+    for name, given in (("what", what), ("distance", distance), ("at_begin", at_begin),
                         ("gap", gap), ("object_a", object_a), ("object_b", object_b),
                         ("method", enumerator(Method, "method", method)),
                         ("threads", threads), ("tuning", tuning),
