@@ -121,18 +121,16 @@ static int write_settings(struct pccd_client *client,
 static int write_pair(struct pccd_client *client,
                       const struct proto_SCENE_IGNORE_request *request, cli_record_fn add)
 {
-    const struct record_clearance apart = {.scene = request->scene,
-                                           .a = request->a,
-                                           .b = request->b,
-                                           .clearance = request->clearance};
-    const struct record_pairs pairs = {
-        .scene = request->scene, .ignored = request->ignored, .count = 1};
-    const uint32_t pair[2] = {request->a, request->b};
-    const struct record_part parts[2] = {{&pairs, sizeof pairs}, {pair, sizeof pair}};
+    const struct record_pairs head = {.scene = request->scene, .count = 1};
+    const struct record_pair pair = {.a = request->a,
+                                     .b = request->b,
+                                     .said = request->has_clearance ? RECORD_CLEARANCE
+                                             : request->ignored     ? RECORD_IGNORED
+                                                                    : RECORD_NOTHING,
+                                     .clearance = request->clearance};
+    const struct record_part parts[2] = {{&head, sizeof head}, {&pair, sizeof pair}};
 
-    return request->has_clearance ? add(client, RECORD_CLEARANCE,
-                                        &(struct record_part){&apart, sizeof apart}, 1)
-                                  : add(client, RECORD_PAIRS, parts, 2);
+    return add(client, RECORD_PAIRS, parts, 2);
 }
 
 int cli_record_change(struct pccd_client *client, int method,

@@ -127,57 +127,35 @@ static int write_object(struct pccd_client *client, const struct registry_scene 
     return status != 0 ? status : write_name(client, scene, kept);
 }
 
-/* Those of its objects that have a clearance. */
-static int write_clearances(struct pccd_client *client,
-                            const struct registry_scene *scene)
-{
-    int status = 0;
-
-    for (uint32_t i = 0; i < scene->pairs.count && status == 0; i++) {
-        const struct registry_pair *pair = &scene->pairs.said[i];
-        const struct record_clearance apart = {.scene = scene->handle,
-                                               .a = pair->a,
-                                               .b = pair->b,
-                                               .clearance = pair->clearance};
-
-        if (pair->has_clearance) {
-            status = cli_record_add(client, RECORD_CLEARANCE,
-                                    &(struct record_part){&apart, sizeof apart}, 1);
-        }
-    }
-    return status;
-}
-
 /* Those of its objects that ignore each other, or have a clearance. */
 static int write_pairs(struct pccd_client *client, struct registry_scene *scene)
 {
-    struct record_pairs head = {.scene = scene->handle, .ignored = 1};
+    struct record_pairs head = {.scene = scene->handle};
     struct record_part parts[2] = {{&head, sizeof head}};
-    uint32_t(*pairs)[2];
-    int status = 0;
+    struct record_pair *pairs;
+    int status;
 
     registry_pairs_settle(&scene->pairs);
     if (scene->pairs.count == 0) {
         return 0;
     }
-    pairs = malloc(scene->pairs.count * sizeof *pairs);
+    pairs = calloc(scene->pairs.count, sizeof *pairs);
     if (pairs == NULL) {
         return cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for pairs");
     }
-    for (uint32_t i = 0; i < scene->pairs.count; i++) {
-        const struct registry_pair *pair = &scene->pairs.said[i];
+    for (; head.count < scene->pairs.count; head.count++) {
+        const struct registry_pair *pair = &scene->pairs.said[head.count];
 
-        if (pair->ignored) {
-            pairs[head.count][0] = pair->a;
-            pairs[head.count++][1] = pair->b;
-        }
+        pairs[head.count] = (struct record_pair){
+            .a = pair->a,
+            .b = pair->b,
+            .said = pair->has_clearance ? RECORD_CLEARANCE : RECORD_IGNORED,
+            .clearance = pair->clearance};
     }
     parts[1] = (struct record_part){pairs, head.count * sizeof *pairs};
-    if (head.count > 0) {
-        status = cli_record_add(client, RECORD_PAIRS, parts, 2);
-    }
+    status = cli_record_add(client, RECORD_PAIRS, parts, 2);
     free(pairs);
-    return status != 0 ? status : write_clearances(client, scene);
+    return status;
 }
 
 /* Its journal says what is in it. */

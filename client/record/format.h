@@ -19,13 +19,13 @@
  * |---|---|
  * | BEGIN | nothing |
  * | MESH | a shape: made, or replaced if it is known |
- * | SCENE, OBJECT, *_GONE, CANCEL, LOG, CLEARANCE, END | nothing |
+ * | SCENE, OBJECT, *_GONE, CANCEL, LOG, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
  * | ANSWER | nothing |
  * | RECORDS | records of an answer, if these were to be recorded |
  * | FILTER | nothing |
- * | PAIRS | uint32_t[2] each: handles of two objects |
+ * | PAIRS | a struct record_pair each |
  * | GUEST | a shape: added, or given another one if it is there |
  * | MOVE | as FRAME; it has no number, and no answer |
  * | NEAR | as FRAME, if anything moves; else nothing |
@@ -60,11 +60,11 @@
     X(OBJECT_GONE, 13, "an object was removed")                                          \
     X(END, 14, "the segment is whole")                                                   \
     X(FILTER, 15, "what an object may meet")                                             \
-    X(PAIRS, 16, "pairs of objects that ignore each other, or not any more")             \
+    X(PAIRS, 16,                                                                         \
+      "pairs of objects that ignore each other, have a clearance, or neither")           \
     X(GUEST, 17, "an object of a shared scene, with a shape of its own")                 \
     X(MOVE, 18, "another client has moved a shared scene on")                            \
     X(NEAR, 20, "it was asked what is near, after a movement or without")                \
-    X(CLEARANCE, 28, "two objects have a clearance in the place of their radii")         \
     X(NAME, 29, "what an object is called")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),

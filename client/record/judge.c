@@ -26,8 +26,8 @@ static_assert(sizeof(struct record_answer) == 360, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(offsetof(struct record_filter, words) == RECORD_FILTER_BYTES, "filter");
-static_assert(sizeof(struct record_pairs) == 16, "pairs");
-static_assert(sizeof(struct record_clearance) == 24, "clearance");
+static_assert(sizeof(struct record_pairs) == 8, "pairs");
+static_assert(sizeof(struct record_pair) == 24, "pair");
 static_assert(sizeof(struct record_name) == 16, "name");
 
 #define COUNT_MAX   2147483647u
@@ -333,31 +333,21 @@ static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEX
     struct record_pairs pairs;
 
     memcpy(&pairs, payload, sizeof pairs);
-    if (pairs.ignored > 1 ||
-        bytes != sizeof pairs + (uint64_t)pairs.count * sizeof(uint32_t[2])) {
+    if (bytes != sizeof pairs + pairs.count * sizeof(struct record_pair)) {
         return bad(text, "pairs of another length");
     }
     for (uint32_t i = 0; i < pairs.count; i++) {
-        uint32_t pair[2];
+        struct record_pair pair;
 
-        memcpy(pair, at + i * sizeof pair, sizeof pair);
-        if (pair[0] == pair[1]) {
-            return bad(text, "a pair of one object");
+        memcpy(&pair, at + i * sizeof pair, sizeof pair);
+        if (pair.a == pair.b || pair.said > RECORD_CLEARANCE) {
+            return bad(text, "a pair of one object, or of which nobody knows what");
+        }
+        if (!is_length(pair.clearance)) {
+            return bad(text, "a clearance that is none");
         }
     }
     return PCCD_OK;
-}
-
-static int judge_clearance(const void *payload, uint64_t bytes,
-                           char text[RECORD_TEXT_BYTES])
-{
-    struct record_clearance is;
-
-    (void)bytes;
-    memcpy(&is, payload, sizeof is);
-    return is.a == is.b               ? bad(text, "a pair of one object")
-           : !is_length(is.clearance) ? bad(text, "a clearance that is none")
-                                      : PCCD_OK;
 }
 
 static int judge_name(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
@@ -384,7 +374,6 @@ static const struct form {
     [RECORD_SCENE] = WHOLE(scene, judge_scene),
     [RECORD_OBJECT] = WHOLE(object, judge_object),
     [RECORD_LOG] = WHOLE(log),
-    [RECORD_CLEARANCE] = WHOLE(clearance, judge_clearance),
     [RECORD_ANSWER] = WHOLE(answer),
     [RECORD_CANCEL] = WHOLE(cancel),
     [RECORD_SCENE_GONE] = WHOLE(gone),
@@ -428,7 +417,7 @@ static uint64_t counted_bytes(uint16_t kind, const void *head)
     case RECORD_GUEST:
         return record_shape_of(&is.mesh).end - sizeof is.mesh;
     case RECORD_PAIRS:
-        return is.pairs.count * sizeof(uint32_t[2]);
+        return is.pairs.count * sizeof(struct record_pair);
     case RECORD_NAME:
         return is.name.bytes;
     default:

@@ -164,17 +164,15 @@ struct record_filter {
 
 struct record_pairs {
     uint32_t scene;
-    uint32_t ignored; /* 0, 1: of all of them */
     uint32_t count;
-    uint32_t reserved;
 };
-
-struct record_clearance {
-    uint32_t scene;
-    uint32_t a, b; /* two objects; what PAIRS says of them later ends it */
+struct record_pair { /* what was said of it before ends */
+    uint32_t a, b;   /* two objects */
+    uint32_t said;   /* enum record_said */
     uint32_t reserved;
-    double clearance; /* 0 .. 1e18 */
+    double clearance; /* 0 .. 1e18, in the place of their radii; of others 0 */
 };
+enum record_said { RECORD_NOTHING = 0, RECORD_IGNORED = 1, RECORD_CLEARANCE = 2 };
 
 struct record_name { /* and its bytes, without a NUL */
     uint32_t scene;

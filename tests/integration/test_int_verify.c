@@ -134,8 +134,9 @@ static void forge_filter(struct forger *forger, const struct record_view *view)
 {
     struct record_filter filter = {
         .scene = forger->scene, .object = forger->objects[1], .what = PCCD_OBJECT_MASK};
-    struct record_pairs pairs = {.scene = forger->scene, .ignored = 1, .count = 1};
-    uint32_t pair[2] = {forger->objects[0], forger->objects[1]};
+    struct record_pairs pairs = {.scene = forger->scene, .count = 1};
+    struct record_pair pair = {
+        .a = forger->objects[0], .b = forger->objects[1], .said = RECORD_IGNORED};
 
     if (forger->is_done) {
         return;
@@ -144,7 +145,8 @@ static void forge_filter(struct forger *forger, const struct record_view *view)
         put(forger, RECORD_FILTER, view->time_ns, &filter, sizeof filter, NULL, 0);
         forger->is_done = true;
     } else if (forger->forgery == FORGE_PAIR) {
-        put(forger, RECORD_PAIRS, view->time_ns, &pairs, sizeof pairs, pair, sizeof pair);
+        put(forger, RECORD_PAIRS, view->time_ns, &pairs, sizeof pairs, &pair,
+            sizeof pair);
         forger->is_done = true;
     }
 }

@@ -80,7 +80,7 @@ struct swap {
 static bool swap_one(void *context, struct forge_chunk *chunk)
 {
     struct swap *swap = context;
-    bool is_about = chunk->kind == RECORD_FRAME || chunk->kind == RECORD_CLEARANCE;
+    bool is_about = chunk->kind == RECORD_FRAME || chunk->kind == RECORD_PAIRS;
 
     for (uint64_t i = 0; is_about && i + 8 <= chunk->bytes; i += 8) {
         if (memcmp(chunk->payload + i, &swap->was, 8) == 0) {

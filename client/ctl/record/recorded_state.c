@@ -345,48 +345,36 @@ static int follow_name(struct registry *state, const struct record_view *view,
                : no_memory(error);
 }
 
+struct registry_pair recorded_pair(const struct record_view *view, uint32_t i)
+{
+    struct record_pair pair;
+    memcpy(&pair,
+           (const uint8_t *)view->payload + sizeof(struct record_pairs) + i * sizeof pair,
+           sizeof pair);
+    return (struct registry_pair){.a = pair.a,
+                                  .b = pair.b,
+                                  .ignored = pair.said == RECORD_IGNORED,
+                                  .has_clearance = pair.said == RECORD_CLEARANCE,
+                                  .clearance = pair.clearance};
+}
+
 static int follow_pairs(struct registry *state, const struct record_view *view,
                         struct ctl_error *error)
 {
-    const uint8_t *at = (const uint8_t *)view->payload + sizeof(struct record_pairs);
     struct record_pairs head;
     struct registry_scene *scene;
-    uint32_t pair[2];
     memcpy(&head, view->payload, sizeof head);
     int status = find_scene(state, head.scene, &scene, error);
-    for (uint64_t i = 0; status == PCCD_OK && i < 2 * (uint64_t)head.count; i++) {
-        memcpy(pair, at + i * sizeof pair[0], sizeof pair[0]);
-        status = registry_object(scene, pair[0]) != NULL
-                     ? PCCD_OK
-                     : unknown(error, "object", pair[0]);
-    }
     for (uint32_t i = 0; status == PCCD_OK && i < head.count; i++) {
-        memcpy(pair, at + i * sizeof pair, sizeof pair);
-        const struct registry_pair said = {
-            .a = pair[0], .b = pair[1], .ignored = head.ignored != 0};
-        status =
-            registry_pairs_note(&scene->pairs, &said) == 0 ? PCCD_OK : no_memory(error);
+        const struct registry_pair said = recorded_pair(view, i);
+        uint32_t stray = registry_object(scene, said.a) == NULL   ? said.a
+                         : registry_object(scene, said.b) == NULL ? said.b
+                                                                  : 0;
+        status = stray != 0 ? unknown(error, "object", stray)
+                 : registry_pairs_note(&scene->pairs, &said) == 0 ? PCCD_OK
+                                                                  : no_memory(error);
     }
     return status;
-}
-
-static int follow_clearance(struct registry *state, const struct record_view *view,
-                            struct ctl_error *error)
-{
-    struct record_clearance is;
-    struct registry_scene *scene;
-    memcpy(&is, view->payload, sizeof is);
-    const struct registry_pair said = {
-        .a = is.a, .b = is.b, .has_clearance = true, .clearance = is.clearance};
-    int status = find_scene(state, is.scene, &scene, error);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    if (registry_object(scene, is.a) == NULL || registry_object(scene, is.b) == NULL) {
-        return unknown(error, "object",
-                       registry_object(scene, is.a) == NULL ? is.a : is.b);
-    }
-    return registry_pairs_note(&scene->pairs, &said) == 0 ? PCCD_OK : no_memory(error);
 }
 
 /* ---- what goes --------------------------------------------------------------------- */
@@ -446,8 +434,6 @@ int recorded_state_follow(struct registry *state, const struct record_view *view
         return follow_name(state, view, error);
     case RECORD_PAIRS:
         return follow_pairs(state, view, error);
-    case RECORD_CLEARANCE:
-        return follow_clearance(state, view, error);
     case RECORD_SCENE_GONE:
     case RECORD_MESH_GONE:
     case RECORD_OBJECT_GONE:

@@ -42,6 +42,8 @@ void recorded_joints_deinit(struct recorded_joints *joints);
  * not; PCCD_E_NOMEM. Kinds that change nothing are let by. */
 int recorded_state_follow(struct registry *state, const struct record_view *view,
                           struct ctl_error *error);
+/* Return what pair number `i` of a chunk of PAIRS says. */
+struct registry_pair recorded_pair(const struct record_view *view, uint32_t i);
 /* Move what an item moves, exactly as the daemon computes it: x0 and x1 of the scene's
  * objects. Nothing changes on failure. */
 int recorded_state_move(struct registry *state, const struct recorded_item *item,

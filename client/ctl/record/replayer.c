@@ -232,28 +232,14 @@ static int tell_gone(struct replayer *replayer, const struct record_view *view,
 static int tell_pairs(struct replayer *replayer, const struct record_view *view,
                       struct ctl_error *error)
 {
-    const uint8_t *at = (const uint8_t *)view->payload + sizeof(struct record_pairs);
     struct record_pairs head;
     int status = PCCD_OK;
     memcpy(&head, view->payload, sizeof head);
     for (uint32_t i = 0; i < head.count && status == PCCD_OK; i++) {
-        uint32_t pair[2];
-        memcpy(pair, at + i * sizeof pair, sizeof pair);
-        const struct registry_pair said = {
-            .a = pair[0], .b = pair[1], .ignored = head.ignored != 0};
+        const struct registry_pair said = recorded_pair(view, i);
         status = tell_pair(replayer, head.scene, &said, error);
     }
     return status;
-}
-
-static int tell_clearance(struct replayer *replayer, const struct record_view *view,
-                          struct ctl_error *error)
-{
-    struct record_clearance is;
-    memcpy(&is, view->payload, sizeof is);
-    const struct registry_pair said = {
-        .a = is.a, .b = is.b, .has_clearance = true, .clearance = is.clearance};
-    return tell_pair(replayer, is.scene, &said, error);
 }
 
 int replayer_follow(struct replayer *replayer, struct registry *state,
@@ -264,8 +250,7 @@ int replayer_follow(struct replayer *replayer, struct registry *state,
     const uint32_t taking =
         1u << RECORD_SCENE_GONE | 1u << RECORD_MESH_GONE | 1u << RECORD_OBJECT_GONE;
     bool is_gone = (taking >> view->kind & 1u) != 0;
-    bool tells_now = replayer->client != NULL && (is_gone || view->kind == RECORD_PAIRS ||
-                                                  view->kind == RECORD_CLEARANCE);
+    bool tells_now = replayer->client != NULL && (is_gone || view->kind == RECORD_PAIRS);
     int status = PCCD_OK;
     /* What goes was there for the daemon, too, and so was what ignores each other. */
     if (tells_now && replayer->is_behind) {
@@ -278,9 +263,7 @@ int replayer_follow(struct replayer *replayer, struct registry *state,
     if (status != PCCD_OK || !tells_now) {
         return status;
     }
-    return is_gone                          ? tell_gone(replayer, view, error)
-           : view->kind == RECORD_CLEARANCE ? tell_clearance(replayer, view, error)
-                                            : tell_pairs(replayer, view, error);
+    return is_gone ? tell_gone(replayer, view, error) : tell_pairs(replayer, view, error);
 }
 
 /* ---- what moves -------------------------------------------------------------------- */
