@@ -36,13 +36,20 @@ for recipe in index cloth game edge robot jam bake replay share; do
 done
 # says RECIPE LINE: it printed a line like this.
 says() { grep -q -- "$2" "$work/$1/log" || { echo "$1 does not say: $2" && return 1; }; }
+# film_begins RECIPE RECORDING: its film, all of which some viewers show is the first picture, begins
+# with a step in which something meets.
+film_begins() {
+    local step
+    step=$(sed -nE 's/.* --steps ([0-9]+)\.\. .*\.apng .*/\1/p' "$site/$1.md")
+    "$PCCDCTL" export --list "$work/$1/$2" | grep "^step $step: [1-9]" || { echo "$1: step $step?" && return 1; }
+}
 # If it failed, the text of a recipe would promise what its reader does not see.
 if [ -n "$python" ]; then
     {
         says index '^vf,3,0,1,2,0[.]\(5\|49\)' &&
             says game '^[1-9][0-9]* hits on the ground, [1-9][0-9]* of two rocks$' &&
             says robot '^edge *line 1: jams' && says robot '^edge *line 2: free$' &&
-            says cloth '^100 frames, nothing intersects$' &&
+            says cloth '^100 frames, nothing intersects$' && film_begins cloth cloth.rec && film_begins game bounce.rec &&
             says edge '^free: the whole turn$' && says edge '^free to 84[.]5766 degrees$' &&
             says jam ' jams *at 1[.]462 rad' && says jam ' hinge 0 to 1[.]39[0-9]* rad .*: free' &&
             awk '/ bake_.* [1-9][0-9]* \(/ { print $2; exit }' "$work/bake/log" | grep -x 'bake_007.obj:' &&
