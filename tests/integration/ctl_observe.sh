@@ -353,9 +353,12 @@ else
     tap_skip alerts__tell_of_what_they_are_for "it takes prometheus"
 fi
 
-# If it failed, samples would be lost on their way to Prometheus: the file whole, a counter's type.
+# If it failed, samples would be lost on their way to Prometheus: the file whole, a counter's type, or
+# those of a machine's second daemon, which the manual has labelled.
 if command -v prometheus-node-exporter >/dev/null && command -v python3 >/dev/null; then
     mkdir textfiles && ctl metrics && cp out textfiles/pccd.prom &&
+        label=$(sed -n 's/.*pccdctl metrics | sed \(.*\) >second.prom$/\1/p' "$top_srcdir/client/man/pccdctl.1.scd" |
+            tr -d '\\') && eval "sed $label" <out >textfiles/second.prom &&
         python3 - textfiles >scraped 2>"$log" <<'PY'
 import socket, subprocess, sys, time, urllib.request
 
@@ -379,7 +382,8 @@ PY
     grep -qx 'node_textfile_scrape_error 0' scraped &&
         grep '^# TYPE pccd_' textfiles/pccd.prom | sort >types &&
         grep '^# TYPE pccd_' scraped | sort | diff types - >>"$log" &&
-        grep -c '^pccd_' textfiles/pccd.prom >sent && grep -c '^pccd_' scraped | diff sent - >>"$log"
+        cat textfiles/*.prom | grep -c '^pccd_' >sent && grep -c '^pccd_' scraped | diff sent - >>"$log" &&
+        grep -q '^pccd_step_duration_seconds_bucket{daemon="second",le="+Inf"} ' scraped
     report metrics__reach_prometheus_by_the_node_exporter
 else
     tap_skip metrics__reach_prometheus_by_the_node_exporter "it takes prometheus-node-exporter, python3"
