@@ -119,9 +119,9 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
 /* Return the first contact of two objects, in either order; NULL: there is none. */
 const struct pccd_contact *verify_of_objects(const struct play_step *step, uint32_t a,
                                              uint32_t b);
-/* Return which number of a recorded answer is not what it must be; NULL: none. What was
- * measured, and how it ended, `must` takes from it. All else is compared, so that a number
- * which comes later is not let by (verify_numbers.c). */
+/* Return which number of a recorded answer is not what it must be; NULL: none. `must`
+ * takes from it what was measured, and how it ended; all else is compared, so that a
+ * number which comes later is not let by (verify_numbers.c). */
 const char *verify_recorded(const struct record_answer *then, struct record_answer must);
 /* Return whether an answer has its status alone, as one of what has failed must. */
 bool verify_is_bare(const struct record_answer *answer);
