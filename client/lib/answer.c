@@ -333,7 +333,6 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
         return 0;
     }
     request.id = call->id;
-    cli_record_cancel(client, step);
     return cli_call_sync(client, PROTO_METHOD_CANCEL, &request, &result,
                          cli_deadline(client, -1));
 }
@@ -349,7 +348,6 @@ void pccd_abandon(struct pccd_client *client, uint64_t step)
         return;
     }
     request.id = call->id;
-    cli_record_cancel(client, step);
     cli_call_drop(client, call);
     if (call->state == CLI_CALL_LOST &&
         cli_call_send(client, PROTO_METHOD_CANCEL, &request, CLI_SLOT_NONE,

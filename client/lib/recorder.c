@@ -12,7 +12,7 @@
 void cli_record_end(struct pccd_client *client, enum record_reason reason)
 {
     struct cli_recorder *recorder = client->recorder;
-    struct record_end end = {.reason = reason, .frames = recorder->segment_frames};
+    struct record_end end = {.reason = reason};
     const struct record_part part = {&end, sizeof end};
     int status;
 

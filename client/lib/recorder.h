@@ -24,7 +24,6 @@ struct cli_recorder {
     bool is_beginning;            /* what is kept is being written */
     bool has_ended;               /* nothing is written any more */
     struct pccd_record_info info; /* of earlier segments where the writer counts */
-    uint64_t segment_frames;
     struct cli_journal *journals; /* of shared scenes (recorder_shared.h) */
     char text[CLI_TEXT_BYTES];    /* why it has ended */
 };
@@ -77,8 +76,8 @@ int cli_record_change(struct pccd_client *client, int method,
 
 /* ---- what is kept: recorder_snapshot.c --------------------------------------------- */
 
-/* Write everything that is kept into the segment that has just begun, then LOG, then the
- * steps without an answer. 0 or why it could not be written. */
+/* Write everything that is kept into the segment that has just begun, then the steps
+ * without an answer. 0 or why it could not be written. */
 int cli_record_snapshot(struct pccd_client *client);
 /* Append a step that has been sent, with the payload of its slot; nothing where a journal
  * says it. */
@@ -90,14 +89,13 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call);
 int cli_record_open(struct pccd_client *client);
 
 /* Append the mesh of a handle, which was made or replaced, and is kept already. This and
- * the next three do nothing without a recorder. */
+ * the next two do nothing without a recorder. */
 void cli_record_mesh(struct pccd_client *client, uint32_t mesh,
                      const struct registry_shape *shape);
 /* Append a step that has been sent; its slot is the daemon's. */
 void cli_record_frame(struct pccd_client *client, const struct cli_call *call);
 /* Append what the answer to a request tells; cli_replica_answer has seen it. */
 void cli_record_answer(struct pccd_client *client, const struct cli_call *call);
-void cli_record_cancel(struct pccd_client *client, uint64_t step);
 
 /* ---- begin and end ----------------------------------------------------------------- */
 

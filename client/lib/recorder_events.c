@@ -25,7 +25,6 @@ int cli_record_open(struct pccd_client *client)
             client, status,
             status == PCCD_E_NOMEM ? "no memory to keep what there is" : strerror(errno));
     }
-    recorder->segment_frames = 0;
     recorder->info.segments++;
     return cli_record_snapshot(client);
 }
@@ -111,21 +110,11 @@ void cli_record_frame(struct pccd_client *client, const struct cli_call *call)
                                  : call->method == PROTO_METHOD_FRAME_SUBMIT;
     if (recorder->segments_max > 1 &&
         recorder->writer.bytes >= recorder->segment_bytes_max) {
-        turn(client); /* the new log begins with every step without an answer */
+        turn(client); /* the new segment begins with every step without an answer */
     } else {
         (void)cli_record_step(client, call);
     }
     count_time(client, begin_ns);
-}
-
-void cli_record_cancel(struct pccd_client *client, uint64_t step)
-{
-    struct record_cancel cancel = {.step = step};
-
-    if (cli_record_is_on(client)) {
-        (void)cli_record_add(client, RECORD_CANCEL,
-                             &(struct record_part){&cancel, sizeof cancel}, 1);
-    }
 }
 
 /* The page of an answer. */

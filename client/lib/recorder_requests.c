@@ -94,7 +94,6 @@ int cli_record_motion(struct pccd_client *client, int method,
     const struct record_part parts[3] = {{&frame, sizeof frame}, moved[0], moved[1]};
 
     memcpy(frame.tuning, tuning, strnlen(tuning, sizeof frame.tuning - 1));
-    client->recorder->segment_frames += kind == RECORD_FRAME;
     return cli_record_add(client, kind, parts, 3);
 }
 

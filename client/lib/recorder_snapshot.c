@@ -322,7 +322,6 @@ static int write_unanswered(struct pccd_client *client)
 
 int cli_record_snapshot(struct pccd_client *client)
 {
-    struct record_log log = {.next_step = client->next_step};
     int status = cli_positions_fold_all(client);
 
     assert(client->keeps);
@@ -332,9 +331,6 @@ int cli_record_snapshot(struct pccd_client *client)
     status = status != 0 ? status : write_meshes(client);
     status = status != 0 ? status : write_scenes(client);
     status = status != 0 ? status : write_gone(client);
-    status = status != 0 ? status
-                         : cli_record_add(client, RECORD_LOG,
-                                          &(struct record_part){&log, sizeof log}, 1);
     client->recorder->is_beginning = false;
     status = status != 0 ? status : begin_journals(client);
     return status != 0 ? status : write_unanswered(client);

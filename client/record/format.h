@@ -8,18 +8,18 @@
  * A reader refuses a file of another version; its message names the release that wrote
  * the file, which the first chunk, BEGIN, tells.
  *
- *     segment  BEGIN snapshot LOG events END?
+ *     segment  BEGIN snapshot events END?
  *     snapshot MESH* (SCENE (OBJECT PLACE? FILTER? NAME?)* PAIRS?)* MESH_GONE*
  *     events   any of the others, in the order in which requests were sent
  *
  * A file is one segment and can be read without those before it. A step that was in
- * flight when a segment began stands in its log again.
+ * flight when a segment began stands in it again.
  *
  * | kind | payload: a struct of payload.h, then |
  * |---|---|
  * | BEGIN | nothing |
  * | MESH | a shape: made, or replaced if it is known |
- * | SCENE, OBJECT, *_GONE, CANCEL, LOG, END | nothing |
+ * | SCENE, OBJECT, *_GONE, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
  * | ANSWER | nothing |
@@ -50,11 +50,9 @@
     X(MESH, 3, "a mesh was made or replaced")                                            \
     X(OBJECT, 4, "an object was added")                                                  \
     X(PLACE, 5, "where an object is")                                                    \
-    X(LOG, 6, "the snapshot ends, the log begins")                                       \
     X(FRAME, 7, "a step was submitted")                                                  \
     X(ANSWER, 8, "a step was answered")                                                  \
     X(RECORDS, 9, "records of an answer")                                                \
-    X(CANCEL, 10, "a step was cancelled")                                                \
     X(SCENE_GONE, 11, "a scene was destroyed")                                           \
     X(MESH_GONE, 12, "a mesh was destroyed; its objects stay")                           \
     X(OBJECT_GONE, 13, "an object was removed")                                          \

@@ -61,11 +61,8 @@ struct record_place {
     uint32_t format;  /* of the vertices; 1 for a transform */
 };
 
-struct record_log {
-    uint64_t next_step;
-};
 /* A step, or of NEAR a question about what is near, as it was asked; they are numbered
- * together, and a CANCEL names either. What the other one alone has is 0. */
+ * together. What the other one alone has is 0. */
 struct record_frame {
     uint64_t step; /* MOVE: 0 */
     uint32_t scene;
@@ -181,9 +178,6 @@ struct record_name { /* and its bytes, without a NUL */
     uint32_t reserved;
 };
 
-struct record_cancel {
-    uint64_t step;
-};
 enum record_reason {
     RECORD_STOPPED = 0,  /* pccd_record_stop or pccd_close */
     RECORD_FULL = 1,     /* max_bytes reached */
@@ -196,7 +190,6 @@ enum record_reason {
 struct record_end {
     uint32_t reason; /* enum record_reason */
     uint32_t reserved;
-    uint64_t frames; /* of this segment */
 };
 
 /* ---- shapes ------------------------------------------------------------------------ */

@@ -303,9 +303,7 @@ static bool report(const char *path, const struct record_command *command)
                  proto_plural(answered, "answer", "answers"),
                  status != PCCD_OK ? "; damaged " : "",
                  status != PCCD_OK ? reader.text : "");
-    bool is_unwritten =
-        reader.end_reason == RECORD_UNWRITTEN ||
-        (reader.end_reason == RECORD_FULL && command->max_bytes == 0); /* as of before */
+    bool is_unwritten = reader.end_reason == RECORD_UNWRITTEN;
     if (is_unwritten) {
         ctl_complain("%s could not be written to its end: what came then is lost; is "
                      "there room on the disk?",
