@@ -166,6 +166,18 @@ CASE(session__handles_of_another_client_are_refused)
     assert_int_equal(pccd_step_x1(stranger, scene, crossing.object, test_triangle_x,
                                   PCCD_FORMAT_F32, 3, NULL, &answer),
                      PCCD_E_HANDLE);
+    /* Nor is what is of one kind taken for another. */
+    assert_int_equal(pccd_scene_add(owner, crossing.mesh, crossing.scene, &object),
+                     PCCD_E_HANDLE);
+    assert_non_null(strstr(pccd_error_text(owner), ", it is a mesh"));
+    assert_int_equal(pccd_mesh_destroy(owner, crossing.scene), PCCD_E_HANDLE);
+    assert_non_null(strstr(pccd_error_text(owner), ", it is a scene"));
+    assert_int_equal(pccd_scene_destroy(owner, crossing.object), PCCD_E_HANDLE);
+    assert_int_equal(pccd_scene_remove(owner, crossing.scene, crossing.mesh),
+                     PCCD_E_HANDLE);
+    assert_int_equal(pccd_step_x1(owner, crossing.scene, crossing.scene, test_triangle_x,
+                                  PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_HANDLE);
     assert_true(test_crossing_turn(&crossing));
     pccd_close(stranger);
     assert_true(test_crossing_turn(&crossing));

@@ -16,6 +16,11 @@
 #define SRV_HANDLE_INDEX_MAX      ((1u << SRV_HANDLE_INDEX_BITS) - 1u)
 #define SRV_HANDLE_GENERATION_MAX 4095u
 
+/* `generation_first` of what a session makes; of objects it is small. So a handle of one
+ * kind is none of another, and an argument in the wrong place is told. */
+#define SRV_SCENES_GENERATION 0x1ffu
+#define SRV_MESHES_GENERATION 0x3ffu
+
 struct srv_handle_slot {
     void *item;           /* NULL: free */
     uint32_t generation;  /* of the item here, or of the next one */

@@ -6,12 +6,22 @@
 #include "ringio.h"
 #include "session.h"
 
+int srv_refuse_handle(struct srv_call *call, const struct srv_session *owner,
+                      const char *kind, uint32_t handle)
+{
+    const char *is = srv_handles_get(&owner->scenes, handle) != NULL   ? ", it is a scene"
+                     : srv_handles_get(&owner->meshes, handle) != NULL ? ", it is a mesh"
+                                                                       : "";
+    return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no %s 0x%x%s", kind,
+                           handle, is);
+}
+
 struct srv_scene *srv_admit_scene(struct srv_call *call, const struct srv_session *owner,
                                   uint32_t handle)
 {
     struct srv_scene *scene = srv_handles_get(&owner->scenes, handle);
     if (scene == NULL) {
-        proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x", handle);
+        (void)srv_refuse_handle(call, owner, "scene", handle);
     }
     return scene;
 }

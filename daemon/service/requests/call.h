@@ -44,6 +44,10 @@ PROTO_METHODS(SRV_HANDLER)
 
 /* ---- checks [loop] ----------------------------------------------------------------- */
 
+/* Set call->error to PCCD_E_HANDLE, which it returns: `owner` has no scene, or mesh, of
+ * that handle; it may be what the other one has. */
+int srv_refuse_handle(struct srv_call *call, const struct srv_session *owner,
+                      const char *kind, uint32_t handle);
 /* Return the scene that `owner` knows by the handle; NULL, with call->error set to
  * PCCD_E_HANDLE: there is none. */
 struct srv_scene *srv_admit_scene(struct srv_call *call, const struct srv_session *owner,

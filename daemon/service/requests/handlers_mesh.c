@@ -28,7 +28,7 @@ static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
 {
     struct srv_mesh *mesh = srv_handles_get(&call->session->meshes, handle);
     if (mesh == NULL) {
-        proto_error_set(&call->error, PCCD_E_HANDLE, "there is no mesh 0x%x", handle);
+        (void)srv_refuse_handle(call, call->session, "mesh", handle);
         return NULL;
     }
     return srv_mesh_refuse_busy(mesh, handle, &call->error) == 0 ? mesh : NULL;

@@ -149,8 +149,7 @@ int srv_on_SCENE_ADD(struct srv_call *call)
     uint32_t mesh_handle = call->params.SCENE_ADD.mesh;
     struct srv_mesh *mesh = srv_handles_get(&session->meshes, mesh_handle);
     if (mesh == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no mesh 0x%x",
-                               mesh_handle);
+        return srv_refuse_handle(call, session, "mesh", mesh_handle);
     }
     int status = srv_mesh_refuse_busy(mesh, mesh_handle, &call->error);
     if (status == 0) {

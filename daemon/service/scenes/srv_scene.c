@@ -95,9 +95,12 @@ struct srv_scene *srv_scene_new(struct srv_session *session,
 void srv_scene_name(struct srv_scene *scene, uint32_t handle)
 {
     uint32_t generation = handle >> SRV_HANDLE_INDEX_BITS;
+    uint32_t reuses =
+        (generation - 1 + SRV_HANDLE_GENERATION_MAX - SRV_SCENES_GENERATION) %
+        SRV_HANDLE_GENERATION_MAX;
     PCCD_ASSERT(scene->objects.used == 0);
     srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE,
-                     srv_handle_index(handle) + (generation - 1) * HANDLES_APART);
+                     srv_handle_index(handle) + reuses * HANDLES_APART);
 }
 
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)

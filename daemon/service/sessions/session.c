@@ -50,8 +50,9 @@ static struct srv_session *new_of_user(struct srv_service *service, uid_t uid)
     session->owner.page_job_list.group = &session->owner.user->page_jobs;
     session->owner.settle = settle;
     session->id = ++service->session_last;
-    srv_handles_init(&session->scenes, service->options->scenes_max, 0);
-    srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
+    srv_handles_init(&session->scenes, service->options->scenes_max,
+                     SRV_SCENES_GENERATION);
+    srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, SRV_MESHES_GENERATION);
     return session;
 }
 
