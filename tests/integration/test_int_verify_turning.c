@@ -105,14 +105,19 @@ static void assert_wrong(double was, double is, const char *what)
 /* If it failed, right answers would be called wrong, or nothing would be checked. */
 CASE(verify_turning__says_that_right_answers_are)
 {
-    static const enum pccd_mode modes[3] = {PCCD_MODE_ALL, PCCD_MODE_FIRST,
-                                            PCCD_MODE_ANY};
+    static const struct {
+        enum pccd_mode mode;
+        uint64_t due;
+    } modes[] = {{PCCD_MODE_ALL, 3},
+                 {PCCD_MODE_FIRST, 3},
+                 {PCCD_MODE_FIRST_PER_PAIR, 1},
+                 {PCCD_MODE_ANY, 0}};
     char said[8192];
 
-    for (int i = 0; i < 3; i++) {
-        record_door(PI / 2, modes[i], i < 2 ? 3 : 0);
+    for (int i = 0; i < 4; i++) {
+        record_door(PI / 2, modes[i].mode, modes[i].due);
         assert_ok(test_ctl("verify", "--json", test_recording, said, sizeof said));
-        assert_int_equal(test_ctl_number(said, "contacts"), i < 2 ? 3 : 0);
+        assert_int_equal(test_ctl_number(said, "contacts"), modes[i].due);
         assert_int_equal(test_ctl_number(said, "turning"), 0);
     }
     record_door(SHORT, PCCD_MODE_ALL, 0);
@@ -131,6 +136,8 @@ CASE(verify_turning__finds_what_is_wrong)
     record_door(SHORT, PCCD_MODE_ALL, 0);
     assert_wrong(SHORT, PI / 2, "a contact is missing in the answer");
     record_door(SHORT, PCCD_MODE_ANY, 0);
+    assert_wrong(SHORT, PI / 2, "a contact is missing in the answer");
+    record_door(SHORT, PCCD_MODE_FIRST_PER_PAIR, 0);
     assert_wrong(SHORT, PI / 2, "a contact is missing in the answer");
 }
 

@@ -191,11 +191,12 @@ bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair
 bool verify_turns(const struct play_step *step, const struct pccd_pair *pair);
 bool verify_has_turning(const struct play_step *step);
 /* Check a contact of bodies of which one turns, or that a pair of such may be missing in
- * the answer; count what intervals tell, and what they cannot. */
+ * the answer, as one may from the time `from` on; count what intervals tell, and what
+ * they cannot. */
 bool verify_turning(const struct play_step *step, const struct pccd_contact *contact,
                     const struct pccd_pair *pair, struct verify_result *result);
 bool verify_turning_missing(const struct play_step *step, const struct pccd_pair *pair,
-                            struct verify_result *result);
+                            double from, struct verify_result *result);
 /* Check the places at t = 0 of all that turns, which are computed as the daemon does,
  * against where intervals have it. */
 bool verify_turning_places(const struct play_step *step, struct verify_result *result);

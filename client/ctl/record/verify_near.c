@@ -128,9 +128,10 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
         return true;
     }
     draw->left--;
+    double from = may_lack_from(draw->step, pair);
     if (verify_turns(draw->step, pair)) {
         return verify_mode(draw->step) == PCCD_MODE_PAIRS ||
-               verify_turning_missing(draw->step, pair, draw->result);
+               verify_turning_missing(draw->step, pair, from, draw->result);
     }
     if (verify_mode(draw->step) == PCCD_MODE_PAIRS) {
         draw->result->counts.non_contacts++;
@@ -139,7 +140,6 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
                             "a pair that no axis separates is missing in the answer");
     }
     verify_meet(draw->step, pair, &meeting);
-    double from = may_lack_from(draw->step, pair);
     bool is_right =
         meeting.first == NULL || oracle_first_compare(meeting.first, from) >= 0 ||
         verify_is_left_out(draw->step, pair, &meeting, fmin(from, 1), draw->result);

@@ -301,7 +301,7 @@ void verify_turning_tell(const struct play_step *step, const struct pccd_pair *p
 /* ---- what is missing --------------------------------------------------------------- */
 
 bool verify_turning_missing(const struct play_step *step, const struct pccd_pair *pair,
-                            struct verify_result *result)
+                            double from, struct verify_result *result)
 {
     struct question question;
     struct oracle_turning_answer is, met;
@@ -310,12 +310,7 @@ bool verify_turning_missing(const struct play_step *step, const struct pccd_pair
     }
     take_pair(step, pair, &question);
     (void)ask_both(step, pair, &question, &is, &met);
-    bool meets = met.met_by <= 1;
-    if ((verify_mode(step) == PCCD_MODE_FIRST && step->found.count > 0 &&
-         met.met_by >= verify_toi_first(step)) ||
-        (verify_mode(step) == PCCD_MODE_ANY && verify_verdict(step) != PCCD_VERDICT_NO)) {
-        meets = false; /* by more than is asked for */
-    }
+    bool meets = met.met_by <= 1 && met.met_by < from;
     result->counts.non_contacts += !meets;
     result->counts.turning += !is.is_free && met.met_by > 1;
     return !meets ||
