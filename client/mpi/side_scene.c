@@ -280,7 +280,7 @@ static int ask(struct pccd_mpi *world, uint32_t scene,
     struct pccd_near_settings here = *near;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     bool is_here = name_here(world, side, &here);
-    here.end = 1;
+    here.at_begin = false;
     int status = pccd_ask_near(world->client, scene, NULL, 0, &here, &answer);
     if (status != PCCD_OK) {
         return ranks_fail_local(world, status, "the question failed");
