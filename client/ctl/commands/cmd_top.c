@@ -143,21 +143,14 @@ static int compare(const void *a, const void *b, void *context)
 
 /* ---- output ------------------------------------------------------------------------ */
 
-/* Room for the table: all it needs, or what a terminal has. */
-struct room {
-    uint32_t columns; /* of a line */
-    uint32_t sessions;
-};
-
-static struct room find_room(bool is_redrawn)
+/* Return how many sessions there is room for. */
+static uint32_t find_room(bool is_redrawn)
 {
-    struct room room = {UINT32_MAX, ROWS_MAX};
-    uint32_t lines;
-    if (terminal_is_live()) {
-        terminal_size(STDOUT_FILENO, &room.columns, &lines);
-        room.sessions = !is_redrawn || lines < 6 ? ROWS_MAX : lines - 4u;
+    uint32_t columns, lines = 0;
+    if (is_redrawn) {
+        terminal_size(STDOUT_FILENO, &columns, &lines);
     }
-    return room;
+    return lines < 7 ? ROWS_MAX : lines - 5u; /* two of sums from 40 columns on */
 }
 
 #define OF(member) COLUMN_OF(struct rate, member)
@@ -198,37 +191,17 @@ static const struct column session_columns[] = {
     {0}};
 #undef OF
 
-/* Print what the daemon has in all: as many of the figures as fit. */
-static void print_sums(uint32_t sessions, const struct counters *counters,
-                       const struct room *room)
+static void print_table(const struct rate *rates, uint32_t count,
+                        const struct counters *counters, uint32_t room)
 {
     uint64_t queued = counters_get(counters, "jobs_queued_now");
-    char parts[4][64];
-    size_t used = 0;
-    snprintf(parts[0], sizeof parts[0], "%" PRIu32 " %s", sessions,
-             proto_plural(sessions, "session", "sessions"));
-    snprintf(parts[1], sizeof parts[1], "%s %s", format_count((double)queued),
-             proto_plural(queued, "request waits", "requests wait"));
-    snprintf(parts[2], sizeof parts[2], "engine %s",
-             format_bytes((double)counters_get(counters, "engine_bytes_now")));
-    snprintf(parts[3], sizeof parts[3], "shared %s",
-             format_bytes((double)counters_get(counters, "shm_bytes_now")));
-    for (uint32_t i = 0; i < 4; i++) {
-        const char *between = i == 0 ? "" : i == 3 ? ", " : "; ";
-        used += strlen(between) + strlen(parts[i]);
-        if (i > 0 && used > room->columns) {
-            break;
-        }
-        printf("%s%s", between, parts[i]);
-    }
-    putchar('\n');
-}
-
-static void print_table(const struct rate *rates, uint32_t count,
-                        const struct counters *counters, const struct room *room)
-{
-    uint32_t shown = count < room->sessions ? count : room->sessions;
-    print_sums(count, counters, room);
+    uint32_t shown = count < room ? count : room;
+    fprintf(columns_fitted(stdout),
+            "%" PRIu32 " %s; %s %s; engine %s, shared %s\n", count,
+            proto_plural(count, "session", "sessions"), format_count((double)queued),
+            proto_plural(queued, "request waits", "requests wait"),
+            format_bytes((double)counters_get(counters, "engine_bytes_now")),
+            format_bytes((double)counters_get(counters, "shm_bytes_now")));
     columns_table(session_columns, rates, sizeof *rates, shown, false);
     if (shown < count) {
         printf("and %" PRIu32 " more\n", count - shown);
@@ -272,11 +245,10 @@ static bool print(const struct sessions *now, const struct sessions *then, doubl
         print_json(rates, now->count, counters);
     } else {
         bool is_redrawn = terminal_is_live() && options->count != 1;
-        struct room room = find_room(is_redrawn);
         if (is_redrawn) {
             terminal_redraw();
         }
-        print_table(rates, now->count, counters, &room);
+        print_table(rates, now->count, counters, find_room(is_redrawn));
     }
     fflush(stdout);
     free(rates);
