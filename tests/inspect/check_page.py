@@ -20,6 +20,7 @@ from scene import (BAR, FRAMES, NAME, POST, RADIUS, TIP, ObjectsScene, Scene,
                    ThickScene, TurningScene, pccdctl, positions, record_frames)
 
 SPACE, ENTER, RIGHT, HOME, DOWN = " ", "\ue007", "\ue014", "\ue011", "\ue015"
+PAGE_UP = "\ue00e"
 TAB, ESCAPE = "\ue004", "\ue00c"
 AXE = pathlib.Path(os.environ.get("NODE_MODULES", ""), "axe-core", "axe.min.js")
 READY = "return document.body.classList.contains('ready')"
@@ -342,6 +343,15 @@ class Opened(InBrowser):
         self.assertTrue(self.value("playing"))
         self.browser.press(SPACE)
         self.assertFalse(self.value("playing"))
+        # Where the camera is from what it looks at, and how far: turned around, over, nearer.
+        texts = [self.value("camera")]
+        for key in (".", PAGE_UP, "+", "-"):
+            self.browser.press(key)
+            self.browser.wait(f"return pccd.state.values.camera !== '{texts[-1]}'")
+            texts.append(self.value("camera"))
+        far = [math.hypot(*map(float, text.split(",")[3:])) for text in texts[1:]]
+        for now, right in zip(far, (far[0], far[0], 0.8 * far[0], far[0]), strict=True):
+            self.assertAlmostEqual(now / right, 1, 4)
         self.browser.press("?")
         self.assertTrue(self.browser.run("return document.getElementById('help').open"))
         said = self.browser.run("return document.getElementById('help').innerText")
@@ -462,12 +472,18 @@ class Opened(InBrowser):
             f"e {a}-{b} t<0.5": sum({a, b} in pair and float(row["toi"]) < 0.5
                                     for row, *pair in zip(ee, *ends, strict=True)),
             a: sum(a in (row["i0"], row["i1"], row["i2"], row["i3"]) for row in rows),
-            "face": len(vf), "vertex 99999": 0, "nonsense": 0, "": len(rows)}
+            f"v{vertex}": sum(row["i0"] == vertex for row in vf),
+            f"Vertex #{vertex}": sum(row["i0"] == vertex for row in vf),
+            "t < 0.5": sum(float(row["toi"]) < 0.5 for row in rows),
+            "face": len(vf), "vertex 99999": 0, "nonsense": 0, "vertex -1": 0, "": len(rows)}
         self.assertGreater(len(vf) * len(ee), 0)
         for text, many in wanted.items():
             with self.subTest(text=text):
                 self.set("find", text)
                 self.assertEqual(len(self.value("picked")), many)
+                unknown = {"nonsense": "“nonsense”", "vertex -1": "“-1”"}.get(text)
+                self.assertEqual("no object is called" in self.text("picked"), unknown is not None)
+                self.assertIn(unknown or "", self.text("picked"))
 
     # If it failed, a contact could not be found again in the files, or sent to somebody.
     def test_detail__has_place_normal_and_text_to_copy(self):
@@ -567,6 +583,10 @@ class Opened(InBrowser):
         self.assertEqual(self.value("chosen"), self.value("picked")[1])
         self.browser.press(ESCAPE)
         self.assertEqual(self.value("chosen"), -1)
+        # A button that there is nothing more to do for gives the list what is typed next.
+        self.browser.run("document.getElementById('go-earliest').focus()")
+        self.browser.press(ENTER)
+        self.browser.wait("return document.activeElement.id === 'contacts'")
 
     @unittest.skipUnless(AXE.is_file(), "no axe-core in $NODE_MODULES")
     # If it failed, a screen reader would have nothing to say of a part of the page.
@@ -666,6 +686,20 @@ class Objects(InBrowser):
         self.assertEqual(len(self.value("picked")), both["sheet", "peg"])
         self.browser.click("#go-first")
         self.assertIn(" of peg", self.facts("detail-facts")["first"])
+        # As the page writes it; the number belongs to the object that it stands with.
+        self.set("find", "")
+        written = self.browser.run("""
+            return [...document.querySelectorAll('#contact-rows .row')]
+              .map((row) => [...row.querySelectorAll('.features > span')].map((one) => one.title));""")
+        self.set("find", " meets ".join(written[0]))
+        self.assertEqual(len(self.value("picked")), written.count(written[0]))
+        for feature in set(sum(written, [])):
+            self.set("find", feature)
+            found = self.browser.run("""
+                return [...document.querySelectorAll('#contact-rows .row')]
+                  .map((row) => [...row.querySelectorAll('.features > span')].map((one) => one.title));""")
+            self.assertGreater(len(found), 0)
+            self.assertTrue(all(feature in row for row in found), (feature, found))
         self.assertEqual(self.browser.said(), [])
 
     # If it failed, half of a contact's dot would be within the face that it lies on.

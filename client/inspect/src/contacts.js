@@ -3,7 +3,7 @@
 import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js";
 import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
-import { pickContacts } from "./find.js";
+import { pickContacts, readWords } from "./find.js";
 import { digits, featureText, firstOf, firstStepOf, flagText, isOfBounds, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
@@ -189,6 +189,7 @@ function makeGoing(data, state, { fly, goTo }) {
     });
   }
   state.on(["picked", "chosen"], ({ index, picked, chosen, order }) => {
+    const focused = document.activeElement;
     const place = picked.indexOf(chosen);
     const measure = order === "toi" ? measureOf(data.step(index)) : null;
     const isAlone = picked.length === 0 || (picked.length === 1 && place === 0);
@@ -201,6 +202,9 @@ function makeGoing(data, state, { fly, goTo }) {
     byId("go-first").disabled = place === 0;
     byId("go-previous").disabled = place <= 0;
     byId("go-next").disabled = place === picked.length - 1;
+    if (focused?.disabled) { // it would be lost
+      byId("contacts").focus();
+    }
     byId("place").textContent = place < 0 ? "" : `${count(place + 1)} of ${count(picked.length)}${measure ? `, by ${measure.name}` : ""}`;
   });
 }
@@ -271,7 +275,9 @@ export function makeContacts(data, state, does) {
     byId("order-box").hidden = measure === null || greatest === 0;
     byId("order").options[0].textContent = measure?.name ?? "time";
     const all = step.contacts.count;
-    const hint = picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
+    const { unknown } = readWords(filters.find, step.objects);
+    const hint = unknown.length > 0 ? `: no object is called “${unknown[0]}”; find vertex 3, edge 4-7, face 12, t<0.5, a name`
+      : picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
     byId("picked").textContent = `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
   });
   makeGoing(data, state, does);

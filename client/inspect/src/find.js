@@ -4,51 +4,91 @@ import { FEATURES } from "./data.js";
 import { nameOfColour } from "./colours.js";
 import { sideOf } from "./words.js";
 
-/** What was typed, as tests of a record's side, or of its whole; all must hold. Words: "vertex 3",
- * "face 12", "edge 4-7" (its vertices), "12" (any feature with that vertex), "t<0.5", and else a
- * part of an object's name, or its colour. */
-export function readWords(text) {
+/** How many points a feature of that name has: "edge", "e"; -1: it is none. */
+const pointsOf = (word) => FEATURES.findIndex((name) => name !== "" && (name === word || name[0] === word));
+
+const BETWEEN = ["meets", "hits", "and", "with"]; // two features, as the page and people say them
+
+/** Whether a side is the feature that was typed: by its number, or of an edge by its vertices. */
+function isFeature(side, points, numbers) {
+  return (points === 0 || side.points === points) && (points === 0 || points === 2
+    ? numbers.every((number) => side.vertices.includes(number)) : numbers.length === 0 || side.feature === numbers[0]);
+}
+
+/** What was typed, as tests of a record's side, or of its time; all must hold. "vertex 3" or "v3",
+ * "face 12", "edge 4-7" (its vertices), "12" (any feature with that vertex), each also with the
+ * object that it is of: "vertex 3 of cloth"; "t<0.5"; a part of an object's name, or its colour.
+ * `unknown`: the words that are none of these. */
+export function readWords(text, objects) {
   const tests = [];
-  const words = text.toLowerCase().replace(/[-–,;]/g, " ").split(/\s+/).filter(Boolean);
+  const unknown = [];
+  const ofObject = (name) => {
+    const named = objects.map((object, i) => object.name.toLowerCase().includes(name) || nameOfColour(i) === name);
+    return named.includes(true) ? ({ object }) => named[object] : null;
+  };
+  const words = text.toLowerCase().replace(/t\s*([<>])\s*(?=[\d.])/g, "t$1").replace(/(\d)[-–](?=\d)/g, "$1 ")
+    .replace(/#(?=\d)/g, "").replace(/\b([a-z]+)(\d+)\b/g, (whole, name, number) => (pointsOf(name) > 0 && !ofObject(whole) ? `${name} ${number}` : whole))
+    .split(/[\s,;]+/).filter(Boolean);
   const isNumber = (word) => /^\d+$/.test(word ?? "");
+  /** The object that a feature is of: the words up to the next feature. */
+  const takeObject = () => {
+    if (words[0] === "of") {
+      const end = words.findIndex((word, i) => i > 1 && BETWEEN.includes(word));
+      const name = words.splice(0, end < 0 ? words.length : end).slice(1).join(" ");
+      const is = ofObject(name);
+      if (!is) {
+        unknown.push(name);
+      }
+      return is;
+    }
+    const is = words.length > 0 && pointsOf(words[0]) <= 0 && !isNumber(words[0]) ? ofObject(words[0]) : null;
+    if (is) {
+      words.shift();
+    }
+    return is;
+  };
   while (words.length > 0) {
     const word = words.shift();
     const time = /^t([<>])(\d*\.?\d+)$/.exec(word);
-    const points = FEATURES.findIndex((name) => name !== "" && (name === word || (word.length === 1 && name[0] === word)));
+    const points = pointsOf(word);
     if (time) {
       tests.push({ time: (toi) => (time[1] === "<" ? toi < Number(time[2]) : toi > Number(time[2])) });
-    } else if (points > 0 && isNumber(words[0])) {
-      const numbers = [Number(words.shift())];
-      if (points === 2 && isNumber(words[0])) {
+    } else if (points > 0 || isNumber(word)) {
+      const numbers = points > 0 ? [] : [Number(word)];
+      while (points > 0 && numbers.length < (points === 2 ? 2 : 1) && isNumber(words[0])) {
         numbers.push(Number(words.shift()));
       }
-      tests.push({ side: (side) => side.points === points && (points === 2
-        ? numbers.every((number) => side.vertices.includes(number)) : side.feature === numbers[0]) });
-    } else if (points > 0) {
-      tests.push({ side: (side) => side.points === points });
-    } else if (isNumber(word)) {
-      tests.push({ side: (side) => side.vertices.includes(Number(word)) });
-    } else {
-      tests.push({ side: (side, { objects }) =>
-        objects[side.object].name.toLowerCase().includes(word) || nameOfColour(side.object) === word });
+      const isOf = takeObject();
+      tests.push({ side: (side) => isFeature(side, Math.max(points, 0), numbers) && (!isOf || isOf(side)) });
+    } else if (!BETWEEN.includes(word)) {
+      const isOf = ofObject(word);
+      if (isOf) {
+        tests.push({ side: isOf });
+      } else {
+        unknown.push(word);
+      }
     }
   }
-  return tests;
+  return { tests, unknown };
 }
 
-/** Places of the records that pass, in the order that is asked for. `pair`: "" or the two objects. */
+/** Places of the records that pass, in the order that is asked for. `pair`: "" or the two objects.
+ * None passes where a word was not understood. */
 export function pickContacts(step, { kinds, range, order, find, pair }) {
   const { contacts } = step;
-  const tests = readWords(find);
+  const { tests, unknown } = readWords(find, step.objects);
   const [one, other] = pair === "" ? [] : pair.split(",").map(Number);
   const picked = [];
+  if (unknown.length > 0) {
+    return picked;
+  }
   for (let i = 0; i < contacts.count; i++) {
     const toi = contacts.toi[i];
     const [a, b] = [contacts.objectA[i], contacts.objectB[i]];
     const isPair = pair === "" || (a === one && b === other) || (a === other && b === one);
     if (kinds[contacts.kind[i]] && toi >= range[0] && toi <= range[1] && isPair) {
       const sides = tests.length > 0 ? ["a", "b"].map((side) => sideOf(step, i, side)) : [];
-      if (tests.every(({ time, side }) => (time ? time(toi) : sides.some((its) => side(its, step))))) {
+      if (tests.every(({ time, side }) => (time ? time(toi) : sides.some(side)))) {
         picked.push(i);
       }
     }

@@ -4,8 +4,10 @@ import { byId } from "./dom.js";
 import { moveChoice } from "./contacts.js";
 
 const TIME_STEP = 0.05;
+const TURN_STEP = Math.PI / 24;
+const ZOOM_STEP = 0.8;
 
-/** `does`: what the keys call beside changing the state: fit, fly, closer, copy, goTo. */
+/** `does`: what the keys call beside changing the state: fit, turn, fly, closer, copy, goTo. */
 export function makeKeys(data, state, does) {
   const help = byId("help");
   /** With the keys of what is on the screen. */
@@ -42,6 +44,12 @@ export function makeKeys(data, state, does) {
     "[": () => level(-1),
     "]": () => level(1),
     f: does.fit,
+    ",": () => does.turn(-TURN_STEP, 0, 1),
+    ".": () => does.turn(TURN_STEP, 0, 1),
+    PageUp: () => does.turn(0, TURN_STEP, 1),
+    PageDown: () => does.turn(0, -TURN_STEP, 1),
+    "+": () => does.turn(0, 0, ZOOM_STEP),
+    "-": () => does.turn(0, 0, 1 / ZOOM_STEP),
     w: () => state.set({ wires: !state.values.wires }),
     t: () => state.set({ thick: !state.values.thick && !byId("thick").hidden }),
     x: () => state.set({ opacity: state.values.opacity < 1 ? 1 : 0.28 }),
@@ -63,7 +71,7 @@ export function makeKeys(data, state, does) {
       return;
     }
     // A slider or a button has its own use for these.
-    if (isForm && (event.key.startsWith("Arrow") || [" ", "Enter", "Home", "End"].includes(event.key))) {
+    if (isForm && (event.key.startsWith("Arrow") || [" ", "Enter", "Home", "End", "PageUp", "PageDown"].includes(event.key))) {
       return;
     }
     event.preventDefault();

@@ -233,6 +233,7 @@ async function start() {
       view?.setExtent(data.step(index), up, thick);
       view?.fit(up);
     },
+    turn: (...by) => view?.turn(...by),
     fly: (i) => flyTo(i, false),
     closer: () => flyTo(state.values.chosen, true),
     async copy() {

@@ -19,6 +19,7 @@ const POINT_MIN = 5;
 const PICK_PIXELS = { mouse: 14, touch: 30 };
 const PICK_SAME = 5; // pixels: contacts of a ring so wide are equally far from the pointer
 const FLY_PART = 0.8; // of the distance from which all is seen: the rest is cut at the sides
+const LEAST_HEIGHT = 0.05; // radians from straight above or below, where no side is left or right
 const CLOSE = 22; // sizes of a contact's features away from it
 
 /** Colours of the style sheet as [r, g, b]. */
@@ -248,6 +249,17 @@ export function makeScene(canvas, onMove) {
       isFitted = false;
       const seen = extent ? FLY_PART * distanceToSee({ ...extent, middle: at }, direction) : 0;
       flyTo(at, at.clone().addScaledVector(direction, isClose ? CLOSE * size : Math.max(seen, CLOSE * size)));
+    },
+    /** Turn around what is looked at, by radians to the side and upwards, and come nearer by a
+     * factor below 1: for the keyboard. */
+    turn(aside, upwards, factor) {
+      const away = camera.position.clone().sub(controls.target);
+      const height = away.angleTo(camera.up); // 0: from above, where there is no side
+      const right = new Vector3().crossVectors(camera.up, away).normalize();
+      const rise = Math.min(height - LEAST_HEIGHT, Math.max(height - Math.PI + LEAST_HEIGHT, upwards));
+      away.applyAxisAngle(right, -rise).applyAxisAngle(camera.up, aside).multiplyScalar(factor);
+      isFitted = false;
+      flyTo(controls.target.clone(), away.add(controls.target), true);
     },
     /** Look from where the camera was; `text` as it was told to onMove. */
     lookFrom(text) {
