@@ -40,6 +40,10 @@ SET = """
     input.value = arguments[1];
     input.dispatchEvent(new Event(input.tagName === 'SELECT' ? 'change' : 'input'));"""
 TEXT = "return document.getElementById(arguments[0]).textContent"
+# The two features of each row of the list.
+ROWS = """
+    return [...document.querySelectorAll('#contact-rows .row')].map((row) =>
+      [...row.querySelectorAll('.features > span')].map((one) => one.title));"""
 # The colours of a picture without its rim, and how many pixels have each: the page counts
 # faster than Python.
 PIXELS = """
@@ -343,7 +347,7 @@ class Opened(InBrowser):
         self.assertTrue(self.value("playing"))
         self.browser.press(SPACE)
         self.assertFalse(self.value("playing"))
-        # Where the camera is from what it looks at, and how far: turned around, over, nearer.
+        # How far the camera is from what it looks at: turned around, over, nearer.
         texts = [self.value("camera")]
         for key in (".", PAGE_UP, "+", "-"):
             self.browser.press(key)
@@ -475,15 +479,17 @@ class Opened(InBrowser):
             f"v{vertex}": sum(row["i0"] == vertex for row in vf),
             f"Vertex #{vertex}": sum(row["i0"] == vertex for row in vf),
             "t < 0.5": sum(float(row["toi"]) < 0.5 for row in rows),
-            "face": len(vf), "vertex 99999": 0, "nonsense": 0, "vertex -1": 0, "": len(rows)}
+            "face": len(vf), "": len(rows),
+            "vertex 99999": 0, "nonsense": 0, "vertex -1": 0}
         self.assertGreater(len(vf) * len(ee), 0)
         for text, many in wanted.items():
             with self.subTest(text=text):
                 self.set("find", text)
                 self.assertEqual(len(self.value("picked")), many)
                 unknown = {"nonsense": "“nonsense”", "vertex -1": "“-1”"}.get(text)
-                self.assertEqual("no object is called" in self.text("picked"), unknown is not None)
-                self.assertIn(unknown or "", self.text("picked"))
+                said = self.text("picked")
+                self.assertEqual("no object is called" in said, unknown is not None)
+                self.assertIn(unknown or "", said)
 
     # If it failed, a contact could not be found again in the files, or sent to somebody.
     def test_detail__has_place_normal_and_text_to_copy(self):
@@ -688,16 +694,12 @@ class Objects(InBrowser):
         self.assertIn(" of peg", self.facts("detail-facts")["first"])
         # As the page writes it; the number belongs to the object that it stands with.
         self.set("find", "")
-        written = self.browser.run("""
-            return [...document.querySelectorAll('#contact-rows .row')]
-              .map((row) => [...row.querySelectorAll('.features > span')].map((one) => one.title));""")
+        written = self.browser.run(ROWS)
         self.set("find", " meets ".join(written[0]))
         self.assertEqual(len(self.value("picked")), written.count(written[0]))
         for feature in set(sum(written, [])):
             self.set("find", feature)
-            found = self.browser.run("""
-                return [...document.querySelectorAll('#contact-rows .row')]
-                  .map((row) => [...row.querySelectorAll('.features > span')].map((one) => one.title));""")
+            found = self.browser.run(ROWS)
             self.assertGreater(len(found), 0)
             self.assertTrue(all(feature in row for row in found), (feature, found))
         self.assertEqual(self.browser.said(), [])
