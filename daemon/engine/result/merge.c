@@ -46,15 +46,15 @@ static void set_splitters(struct eng_splitters *splitters,
 static void look_up(const struct eng_splitters *splitters,
                     const uint64_t key[SPLIT_GROUP], uint16_t bucket[SPLIT_GROUP])
 {
-    uint32_t place[SPLIT_GROUP];
+    size_t place[SPLIT_GROUP];
 #pragma GCC unroll 8
     for (unsigned k = 0; k < SPLIT_GROUP; k++) {
         place[k] = 1;
     }
     for (uint32_t level = 0; level < splitters->levels; level++) {
 #pragma GCC unroll 8
-        for (unsigned k = 0; k < SPLIT_GROUP; k++) {
-            place[k] = 2 * place[k] + (key[k] >= splitters->tree[place[k]]);
+        for (unsigned k = 0; k < SPLIT_GROUP; k++) { /* a subtraction with borrow */
+            place[k] = 2 * place[k] + 1 - (key[k] < splitters->tree[place[k]]);
         }
     }
 #pragma GCC unroll 8

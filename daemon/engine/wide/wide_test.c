@@ -94,6 +94,7 @@ INLINE void make_quads_of(const struct eng_wide *wide, enum pccd_kind kind,
 {
     const enum pccd_tree tree_a = eng_wide_tree_of(kind, 0);
     const enum pccd_tree tree_b = eng_wide_tree_of(kind, 1);
+    const struct eng_point *points = wide->points;
     for (uint32_t i = 0; i < chunk->count; i++) {
         uint32_t a = chunk->a[i];
         uint32_t b = chunk->b[i];
@@ -105,8 +106,9 @@ INLINE void make_quads_of(const struct eng_wide *wide, enum pccd_kind kind,
         for (; count < 4; count++) {
             quads[i][count] = quads[i][count - 1];
         }
+#pragma GCC unroll 4
         for (uint32_t k = 0; k < 4; k++) {
-            __builtin_prefetch(&wide->points[quads[i][k]]);
+            __builtin_prefetch(&points[quads[i][k]]);
         }
     }
 }
