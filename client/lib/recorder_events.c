@@ -143,19 +143,6 @@ static void add_records(struct pccd_client *client, const struct cli_call *call)
     (void)cli_record_add(client, RECORD_RECORDS, parts, 2);
 }
 
-/* The times of an answer, as the file has them. */
-#define RECORD_TIMES_OF(r)                                                               \
-    {                                                                                    \
-        (r)->ns_queue, (r)->ns_ingest, (r)->ns_refit, (r)->ns_traversal, (r)->ns_tests,  \
-            (r)->ns_merge, (r)->ns_step, (r)->ns_low, (r)->ns_high, (r)->ns_rebuild      \
-    }
-#define RECORD_COUNTERS_OF(r)                                                            \
-    {                                                                                    \
-        (r)->task_units, (r)->box_tests, (r)->leaf_pairs, (r)->candidates_vf,            \
-            (r)->candidates_ee, (r)->survivors, (r)->exact, (r)->builds, (r)->allocs,    \
-            (r)->rebuilds, (r)->rebuilt_triangles, (r)->swaps, (r)->swapped_triangles    \
-    }
-
 static void add_answer(struct pccd_client *client, const struct cli_call *call)
 {
     const struct proto_answer *r = &call->answer;
@@ -170,10 +157,8 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
                                         .is_near = is_near,
                                         .mode = is_near ? 0 : r->mode,
                                         .what = is_near ? r->what : 0,
-                                        .method = r->method,
                                         .incomplete = r->incomplete,
                                         .verdict = r->verdict,
-                                        .threads = r->threads,
                                         .total = r->total,
                                         .possible = is_near ? 0 : r->possible,
                                         .initial = is_near ? 0 : r->initial,
@@ -181,9 +166,7 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
                                         .distance_min = is_near ? r->distance_min : 0,
                                         .distance_max = is_near ? r->distance_max : 0,
                                         .crossings = is_near ? r->crossings : 0,
-                                        .hash = {r->hash_hi, r->hash_lo},
-                                        .times = RECORD_TIMES_OF(r),
-                                        .counters = RECORD_COUNTERS_OF(r)};
+                                        .hash = {r->hash_hi, r->hash_lo}};
 #define PUT(unused, type, name, of_step, of_near, member, meaning)                       \
     answer.member = r->name;
         COMMON_KINDS(PUT, )
@@ -202,9 +185,6 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
     }
 }
 
-/* The time of the whole step among those of an answer. */
-#define STEP_TIME (offsetof(struct pccd_step_times, step) / sizeof(uint64_t))
-
 /* The answer to one scene of a batch, as to a step of it. */
 static int add_scene_answer(struct pccd_client *client, const struct cli_call *call,
                             const struct pccd_scene_answer *scene, uint64_t step)
@@ -221,17 +201,14 @@ static int add_scene_answer(struct pccd_client *client, const struct cli_call *c
 
     if (scene->status == 0) {
         answer.mode = asked->mode;
-        answer.method = asked->method;
         answer.incomplete = scene->incomplete;
         answer.verdict = scene->verdict;
-        answer.threads = scene->threads;
         answer.total = scene->total;
         memcpy(answer.counts, scene->counts, sizeof answer.counts);
         answer.possible = scene->possible;
         answer.initial = scene->initial;
         answer.toi_first = scene->toi_first;
         memcpy(answer.hash, scene->hash, sizeof answer.hash);
-        answer.times[STEP_TIME] = scene->ns_step;
     }
     cli_journal_answered(client, scene->scene, step, scene->number);
     client->recorder->info.answers++;

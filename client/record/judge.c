@@ -22,7 +22,7 @@ static_assert(sizeof(struct record_place) == 16, "place");
 static_assert(sizeof(struct record_frame) == 176, "frame");
 static_assert(sizeof(struct record_joints) == 8, "joints");
 static_assert(sizeof(struct record_segment) == 32, "segment");
-static_assert(sizeof(struct record_answer) == 360, "answer");
+static_assert(sizeof(struct record_answer) == 168, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(offsetof(struct record_filter, words) == RECORD_FILTER_BYTES, "filter");

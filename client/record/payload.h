@@ -106,20 +106,16 @@ struct record_joints {
     uint32_t reserved;
 };
 
-#define RECORD_TIMES    10u /* in the order of struct pccd_step_times */
-#define RECORD_COUNTERS 13u /* in the order of struct pccd_step_counters */
-
-/* An answer to a step or a question; what the other one alone has is 0. */
+/* An answer to a step or a question, without what it took; what the other one alone has
+ * is 0. */
 struct record_answer {
     uint64_t step;
     int32_t status;   /* enum pccd_status; else than 0: the rest is 0, but is_near */
     uint32_t is_near; /* 0, 1: to a question */
     uint32_t mode;    /* of a step */
     uint32_t what;    /* of a question */
-    uint32_t method;
     uint32_t incomplete;
     uint32_t verdict;
-    uint32_t threads;
     uint64_t total;
     uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
     uint64_t possible;               /* of a step, as the next two */
@@ -129,8 +125,6 @@ struct record_answer {
     double distance_max;
     uint64_t crossings;
     uint64_t hash[2]; /* zeros: with a gap there is none */
-    uint64_t times[RECORD_TIMES];
-    uint64_t counters[RECORD_COUNTERS];
 };
 
 /* The head of RECORDS. */

@@ -14,9 +14,9 @@
 
 /* Fate of a field that is changed. */
 enum fate {
-    JUDGED,  /* FAIL */
-    TOLD,    /* FAIL, or the step is named as not checked, or the file as damaged */
-    MEASURED /* how long it took, and what was done: nobody can say */
+    JUDGED, /* FAIL */
+    TOLD,   /* FAIL, or the step is named as not checked, or the file as damaged */
+    UNUSED  /* it says nothing */
 };
 
 struct field {
@@ -38,10 +38,8 @@ static const struct field answer_fields[] = {
     FIELD(record_answer, is_near, 4, TOLD, false),
     FIELD(record_answer, mode, 4, JUDGED, false),
     FIELD(record_answer, what, 4, TOLD, false),
-    FIELD(record_answer, method, 4, MEASURED, false),
     FIELD(record_answer, incomplete, 4, TOLD, false),
     FIELD(record_answer, verdict, 4, JUDGED, false),
-    FIELD(record_answer, threads, 4, MEASURED, false),
     FIELD(record_answer, total, 8, JUDGED, false),
     FIELD(record_answer, counts, 8, JUDGED, false),
     FIELD(record_answer, possible, 8, JUDGED, false),
@@ -50,9 +48,7 @@ static const struct field answer_fields[] = {
     FIELD(record_answer, distance_min, 8, JUDGED, true),
     FIELD(record_answer, distance_max, 8, JUDGED, true),
     FIELD(record_answer, crossings, 8, JUDGED, false),
-    FIELD(record_answer, hash, 8, JUDGED, false),
-    FIELD(record_answer, times, 8, MEASURED, false),
-    FIELD(record_answer, counters, 8, MEASURED, false)};
+    FIELD(record_answer, hash, 8, JUDGED, false)};
 
 static const struct field contact_fields[] = {
     FIELD(pccd_contact, kind, 4, JUDGED, false),
@@ -92,7 +88,7 @@ static const struct field head_fields[] = {
     FIELD(record_records, first, 8, TOLD, false),
     FIELD(record_records, count, 8, TOLD, false),
     FIELD(record_records, record_bytes, 4, TOLD, false),
-    FIELD(record_records, reserved, 4, MEASURED, false)};
+    FIELD(record_records, reserved, 4, UNUSED, false)};
 
 struct table {
     const struct field *fields;
@@ -294,9 +290,9 @@ static void judge(const char *of, const struct field *field, size_t element,
                    strstr(said, "not checked: step 1: ") != NULL ||
                    strstr(said, "not checked: question 1: ") != NULL;
     /* 4: the file is refused, as pages of records do not fit it. */
-    bool is_right = field->fate == MEASURED ? status == 0
-                    : field->fate == TOLD   ? is_told
-                                            : status == 1 || status == 4;
+    bool is_right = field->fate == UNUSED ? status == 0
+                    : field->fate == TOLD ? is_told
+                                          : status == 1 || status == 4;
     if (!is_right || (status == 1 && strstr(said, "FAIL: ") == NULL)) {
         print_message("%s, %s: %s[%zu]: %d, %s\n", played, of, field->name, element,
                       status, said);
@@ -360,7 +356,7 @@ static void change_each(const char *of, const struct table *table, uint16_t kind
             for (uint32_t v = 0; v < count; v++) {
                 struct change change = {
                     .kind = kind, .number = 1, .at = at + place, .bytes = field->each};
-                if (field->fate == MEASURED && v > 0) {
+                if (field->fate == UNUSED && v > 0) {
                     continue; /* one is enough */
                 }
                 memcpy(change.value, values[v], sizeof change.value);

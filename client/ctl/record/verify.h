@@ -73,8 +73,7 @@ struct verify_result {
     struct verify_witness witness;
 };
 
-/* Check a step or a question, all of its answer but for what was measured (times,
- * counters, threads, the method). PCCD_OK with *result, else an error. */
+/* Check a step or a question, all of its answer. PCCD_OK with *result, else an error. */
 int verify_step(const struct play_step *step, const struct verify_settings *settings,
                 struct verify_result *result, struct ctl_error *error);
 /* Say that a step or question was not checked: it was not repeated, because it had failed
@@ -120,8 +119,8 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
 const struct pccd_contact *verify_of_objects(const struct play_step *step, uint32_t a,
                                              uint32_t b);
 /* Return which number of a recorded answer is not what it must be; NULL: none. `must`
- * takes from it what was measured, and how it ended; all else is compared, so that a
- * number which comes later is not let by (verify_numbers.c). */
+ * takes from it how it ended; all else is compared, so that a number which comes later is
+ * not let by (verify_numbers.c). */
 const char *verify_recorded(const struct record_answer *then, struct record_answer must);
 /* Return whether an answer has its status alone, as one of what has failed must. */
 bool verify_is_bare(const struct record_answer *answer);

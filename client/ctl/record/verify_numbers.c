@@ -100,11 +100,7 @@ static void number(const struct play_step *step, struct numbers *is)
 
 const char *verify_recorded(const struct record_answer *then, struct record_answer must)
 {
-    must.method = then->method;
     must.incomplete = then->incomplete;
-    must.threads = then->threads;
-    memcpy(must.times, then->times, sizeof must.times);
-    memcpy(must.counters, then->counters, sizeof must.counters);
 #define COMPARE(member)                                                                  \
     if (memcmp(&then->member, &must.member, sizeof must.member) != 0) {                  \
         return #member;                                                                  \
