@@ -58,8 +58,10 @@ void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
             eng_sub(motion->c[end], x[2], x[3]);
         }
     }
-    double size =
-        eng_most(size_of(motion->p), eng_most(size_of(motion->b), size_of(motion->c)));
+    motion->size_p = size_of(motion->p);
+    motion->size_b = size_of(motion->b);
+    motion->size_c = size_of(motion->c);
+    double size = eng_most(motion->size_p, eng_most(motion->size_b, motion->size_c));
     motion->scale = 1;
     if (size > 0 && (size > 2 || size < 0x1p-150)) {
         /* Products of up to eight factors must neither overflow nor lose bits below the
@@ -70,10 +72,10 @@ void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
         scale(motion->p, motion->scale);
         scale(motion->b, motion->scale);
         scale(motion->c, motion->scale);
+        motion->size_p *= motion->scale;
+        motion->size_b *= motion->scale;
+        motion->size_c *= motion->scale;
     }
-    motion->size_p = size_of(motion->p);
-    motion->size_b = size_of(motion->b);
-    motion->size_c = size_of(motion->c);
     motion->e_det = 25 * ENG_U * sum_of_terms(motion) + ENG_TINY;
 }
 

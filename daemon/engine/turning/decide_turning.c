@@ -26,7 +26,7 @@
 
 /* Spans that turn by more than their chords show are cut without a closer look: where
  * points are off their chords by more than this part of their way. */
-#define BENT_MOST 0x1p-4
+#define BENT_MOST 0x1p-5
 
 /* Looks between two questions whether to stop. */
 #define LOOKS_BETWEEN 32u
@@ -38,7 +38,7 @@
 #define WINDOWS 20
 
 /* So often the time is refined up to which planes keep features apart. */
-#define CUTS 3
+#define CUTS 2
 
 /* Shorter spans are not cut where nobody knows. */
 #define LENGTH_LEAST 0x1p-44
@@ -111,18 +111,19 @@ static void set_moment(struct decider *decider, double t, struct moment *moment)
     const struct eng_path_pose *pose = eng_poses_at(decider->poses, t);
     const double *m = pose->m;
     double size = decider->still_size;
+    memcpy(moment->x, pair->x[0], sizeof moment->x);
     for (uint32_t i = 0; i < 4; i++) {
         const double *x = pair->x[0][i];
         double *at = moment->x[i];
         if (i >= decider->first_turning && i < decider->end_turning) {
-            for (int k = 0; k < 3; k++, m += 4) {
-                at[k] = m[0] * x[0] + m[1] * x[1] + m[2] * x[2] + m[3];
+#pragma GCC unroll 3
+            for (int k = 0; k < 3; k++) {
+                const double *row = m + 4 * k;
+                at[k] = row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
                 size = eng_most(size, fabs(at[k]));
             }
-            m = pose->m;
-        } else if (decider->stands) {
-            memcpy(at, x, sizeof moment->x[i]);
-        } else {
+        } else if (!decider->stands) {
+#pragma GCC unroll 3
             for (int k = 0; k < 3; k++) {
                 at[k] = (1 - t) * x[k] + t * pair->x[1][i][k];
             }
@@ -236,8 +237,12 @@ static void set_passage(enum pccd_kind kind, const struct span *span,
     memcpy(query.x[0], span->l->x, sizeof query.x[0]);
     memcpy(query.x[1], span->r->x, sizeof query.x[1]);
     eng_motion_init(motion, &query);
-    eng_motion_pose(motion, 0, &passage->pose[0]);
-    eng_motion_pose(motion, 1, &passage->pose[1]);
+    for (int end = 0; end < 2; end++) {
+        struct eng_pose *pose = &passage->pose[end];
+        memcpy(pose->p, motion->p[end], sizeof pose->p);
+        memcpy(pose->b, motion->b[end], sizeof pose->b);
+        memcpy(pose->c, motion->c[end], sizeof pose->c);
+    }
     double across = eng_motion_planes(&passage->pose[0], &passage->pose[1], passage->f);
     across = across * (1 + 8 * ENG_U) + 32 * ENG_U * motion->size_b * motion->size_c;
     passage->reach = (span->eps * (1 + 4 * ENG_U) + ENG_TINY) * motion->scale;
@@ -253,16 +258,19 @@ static void set_passage(enum pccd_kind kind, const struct span *span,
 static double positive_until(double h[4])
 {
     double until = 0;
-    for (int cut = 0; cut < CUTS && h[0] > 0; cut++) {
+    for (int cut = 0; h[0] > 0; cut++) {
         double part = 1;
         for (int i = 1; i < 4; i++) {
             if (h[i] < h[0]) {
                 part = eng_least(part, (i / 3.0) * (h[0] / (h[0] - h[i])));
             }
         }
-        until += (1 - until) * part;
-        if (part == 1) {
+        if (eng_least(h[1], eng_least(h[2], h[3])) > 0) {
             return 1;
+        }
+        until += (1 - until) * part;
+        if (cut == CUTS) {
+            break;
         }
         for (int level = 3; level > 0; level--) {
             for (int i = 0; i < level; i++) {
@@ -302,8 +310,8 @@ static bool has_planes(const struct decider *decider)
     return decider->is_thin && (kind == PCCD_VF || kind == PCCD_EE);
 }
 
-/* Tell of thin features in a span, by the planes across both. Where these meet before the
- * end, the features do so too, or are apart there, mostly along one direction. */
+/* Tell of thin features in a span, by the planes across both. Where these cross, the
+ * features meet, or are apart along one direction, soon or in shorter spans. */
 static enum look look_at_planes(struct decider *decider, const struct span *span,
                                 bool closely, double *until)
 {
@@ -319,17 +327,15 @@ static enum look look_at_planes(struct decider *decider, const struct span *span
         return LOOK_FREE;
     }
     *until = time_before(span, part);
-    if (closely || part == 0 || passage->middle < 0) {
-        return LOOK_UNASKED;
+    const bool crosses = passage->middle >= 0;
+    const bool goes_on = crosses && part > 0 && !closely;
+    eng_motion_pose(&passage->motion, crosses ? passage->middle : 0.5, &then);
+    if (!(goes_on && cross_inside(decider->pair->kind, &then)) &&
+        eng_motion_separates(&passage->motion, &passage->pose[0], &passage->pose[1],
+                             &then, passage->reach)) {
+        return LOOK_FREE;
     }
-    eng_motion_pose(&passage->motion, passage->middle, &then);
-    if (cross_inside(decider->pair->kind, &then)) {
-        return LOOK_NEAR;
-    }
-    return eng_motion_separates(&passage->motion, &passage->pose[0], &passage->pose[1],
-                                &then, passage->reach)
-               ? LOOK_FREE
-               : LOOK_UNASKED;
+    return goes_on ? LOOK_NEAR : LOOK_UNASKED;
 }
 
 /* Tell of a span; *until becomes the time up to which it is free. */

@@ -60,6 +60,7 @@ struct eng_sweep_frame {
     float bow[3][AXES];
     float bow_off[AXES];
     float bow_error;
+    float bow_most; /* how far any point of side 1 is off its chord */
 };
 
 /* Frames that are kept, and of which spans; a depth of UINT16_MAX: of none. */
@@ -152,6 +153,12 @@ static void shift_pose(const struct eng_sweep *sweep, double t, double r[3][3],
     }
 }
 
+/* Return how far points of a body may be from its origin along an axis. */
+static double half_of_root(const struct eng_body *body, int k)
+{
+    return eng_most(body->box.hi[k] - body->origin[k], body->origin[k] - body->box.lo[k]);
+}
+
 static void set_bow(const struct eng_sweep *sweep, double t0, double t1,
                     const double u[3][3], struct eng_sweep_frame *frame)
 {
@@ -179,6 +186,15 @@ static void set_bow(const struct eng_sweep *sweep, double t0, double t1,
     }
     double error = span.error[0] + span.error[1] * sweep->size;
     frame->bow_error = eng_round_up(eng_least(error, 0x1p100));
+    double most = 0;
+    for (int k = 0; k < 3; k++) {
+        double along = fabs((double)frame->bow_off[k]);
+        for (int c = 0; c < 3; c++) {
+            along += fabs(r[c][k]) * half_of_root(sweep->body[1], c);
+        }
+        most += along * along;
+    }
+    frame->bow_most = eng_round_up(sqrt(most)) + frame->bow_error;
 }
 
 static void make_frame(const struct eng_sweep *sweep, struct eng_sweep_span span,
@@ -244,18 +260,25 @@ static void look(struct eng_sweep *sweep, uint32_t looks)
     }
 }
 
-static const struct eng_sweep_frame *frame_of(struct eng_sweep *sweep,
-                                              struct eng_sweep_span span)
+/* Make the frame of a span in the place of another one. */
+static __attribute__((noinline)) void keep_frame(struct eng_sweep *sweep,
+                                                 struct eng_sweep_span span,
+                                                 uint32_t place)
+{
+    ask(sweep, LOOKS_OF_FRAME);
+    make_frame(sweep, span, &sweep->frames->frame[place]);
+    sweep->frames->span[place] = span;
+}
+
+static inline const struct eng_sweep_frame *frame_of(struct eng_sweep *sweep,
+                                                     struct eng_sweep_span span)
 {
     uint32_t place = ((1u << span.depth) + span.index) % FRAMES;
-    struct eng_sweep_frame *frame = &sweep->frames->frame[place];
-    struct eng_sweep_span *kept = &sweep->frames->span[place];
+    const struct eng_sweep_span *kept = &sweep->frames->span[place];
     if (kept->index != span.index || kept->depth != span.depth) {
-        ask(sweep, LOOKS_OF_FRAME);
-        make_frame(sweep, span, frame);
-        *kept = span;
+        keep_frame(sweep, span, place);
     }
-    return frame;
+    return &sweep->frames->frame[place];
 }
 
 static float norm_of(f4 x)
@@ -333,7 +356,7 @@ static struct item child_of(const struct eng_sweep *sweep, uint32_t side,
                             const struct item *item, uint32_t which)
 {
     const struct eng_body *body = sweep->body[side];
-    struct item child = *item;
+    struct item child;
     child.ref = item->child * 4 + which + 1;
     child.child = eng_body_tree_of(body->mesh)->children[item->child][which];
     set_boxes(&child, body, item->child, which);
@@ -345,9 +368,8 @@ static struct item root_of(const struct eng_sweep *sweep, uint32_t side)
     const struct eng_body *body = sweep->body[side];
     struct item root = {.ref = 0, .child = 0};
     for (int k = 0; k < 3; k++) {
-        double half = eng_most(body->box.hi[k] - body->origin[k],
-                               body->origin[k] - body->box.lo[k]);
-        root.half[0][k] = root.half[1][k] = eng_round_up(half * (1 + 0x1p-20) + LEAST);
+        root.half[0][k] = root.half[1][k] =
+            eng_round_up(half_of_root(body, k) * (1 + 0x1p-20) + LEAST);
         root.size = most(root.size, root.half[0][k]);
     }
     return root;
@@ -570,8 +592,10 @@ static bool is_long(struct eng_sweep *sweep, struct eng_sweep_span span,
 {
     const struct eng_sweep_frame *frame = frame_of(sweep, span);
     float finest = (float)sweep->fineness;
-    return span.depth < DEPTH_MAX && (bow_of(frame, b) > most(bend_most, finest) ||
-                                      way_of(frame, b) > most(motion_most, finest));
+    bend_most = most(bend_most, finest);
+    return span.depth < DEPTH_MAX &&
+           ((frame->bow_most > bend_most && bow_of(frame, b) > bend_most) ||
+            way_of(frame, b) > most(motion_most, finest));
 }
 
 /* Push the parts of a span, in which the two may meet, that are short beside the two and
