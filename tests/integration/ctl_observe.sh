@@ -203,7 +203,7 @@ fi
 
 # If it failed, who watches would not see the steps.
 ctl watch --count 3 && says '^ +STEP SESSION +SCENE CONTACTS +MS TH HASH$' &&
-    [ "$(grep -cE '^ +[0-9]+ s[0-9]+ +0x[0-9a-f]+ +[0-9]+ +[0-9.]+ +[0-9]+ 2:[0-9a-f]{32}$' out)" = 3 ] &&
+    [ "$(grep -cE '^ *[0-9]+ s[0-9]+ +0x[0-9a-f]+ +[0-9]+ +[0-9.]+ +[0-9]+ 2:[0-9a-f]{32}$' out)" = 3 ] &&
     ! grep -E '^.{81}' out &&
     ctl watch --session "$session" --count 1 --json &&
     json 'j["session"] == '"$session"' and j["status"] == "OK" and j["ms"] > 0' &&

@@ -80,13 +80,13 @@ static void print_line(const struct pccd_step_event *event)
                proto_plural(event->lost, "step is", "steps are"));
     }
     if (event->status != PCCD_OK) {
-        printf("%7s s%-6" PRIu64 " %#8" PRIx32 " %s%s%s\n", "failed", event->session,
+        printf("%6s s%-6" PRIu64 " %#10" PRIx32 " %s%s%s\n", "failed", event->session,
                event->scene, terminal_begin(TERMINAL_RED),
                pccd_status_text(event->status), terminal_end());
         return;
     }
     char hash[PROTO_HASH_BYTES];
-    printf("%7" PRIu64 " s%-6" PRIu64 " %#8" PRIx32 " %8" PRIu64 " %8.3f %2" PRIu32
+    printf("%6" PRIu64 " s%-6" PRIu64 " %#10" PRIx32 " %8" PRIu64 " %7.3f %2" PRIu32
            " %s%s\n",
            event->number, event->session, event->scene, event->total,
            (double)event->ns_step / 1e6, event->threads,
@@ -96,7 +96,7 @@ static void print_line(const struct pccd_step_event *event)
 
 static void print_head(void)
 {
-    printf("%s%7s %-7s %8s %8s %8s %2s %s%s\n", terminal_begin(TERMINAL_BOLD), "STEP",
+    printf("%s%6s %-7s %10s %8s %7s %2s %s%s\n", terminal_begin(TERMINAL_BOLD), "STEP",
            "SESSION", "SCENE", "CONTACTS", "MS", "TH", "HASH", terminal_end());
 }
 
