@@ -71,8 +71,9 @@ const char *pccd_status_name(int status);
 const char *pccd_status_text(int status);
 
 /* Return why the most recent failed call on this client failed, as a sentence; "" when
- * none has. With a NULL client it is about the last pccd_connect of this thread, or its
- * last call without a client. Valid until the next call. */
+ * none has. With a NULL client it is about the last call of this thread that has none:
+ * pccd_connect, pccd_weld, all of pccd_points.h, pccd_joints_... of pccd_turning.h.
+ * Handles stand in it as hexadecimal numbers. Valid until the next call. */
 const char *pccd_error_text(const struct pccd_client *client);
 
 /* Return the version of the library in use, as "0.1.0". [any thread] */
@@ -544,8 +545,9 @@ struct pccd_step_settings {
      * enter; it stays, or it rises. LEFT_OUT: what does not fall is a contact, with
      * PCCD_INSIDE, where it comes below 1 - 2^-20 of what it was. A pair is two features:
      * what slides along a surface comes nearer to edges ahead. Costs some 20 us of a
-     * processor for a pair; nothing is kept from step to step. E_VERSION: the daemon is
-     * older than this */
+     * processor for a pair; nothing is kept from step to step. E_INVAL where bodies turn:
+     * there `approach` takes what begins near. E_VERSION: the daemon is older than
+     * this */
     enum pccd_touching touching;
     /* Of bodies that turn (pccd_turning.h): a pair that is not proved is possible where
      * it comes within so much more than the distance at which it meets, in the unit of
@@ -704,13 +706,19 @@ void pccd_frame_abort(struct pccd_frame *frame);
  * to x1 from where the last step ended; from x0 to x1; by transforms m0 and m1 at both
  * ends, as pccd_frame_rigid says; or, where the settings of the step have joints, on one
  * of them: then `first` is the joint and `count` all vertices, as pccd_frame_turning
- * says. What a way does not need is NULL. */
+ * says. What a way does not need is NULL.
+ *
+ * The objects go there whatever they meet: after a step with contacts they stand at its
+ * end, too. The next step with x0 and x1, or with m0 and m1, begins elsewhere, or
+ * pccd_step_safe goes as far as nothing meets. */
 struct pccd_motion {
     uint32_t object;
     uint32_t first, count;
-    enum pccd_format format; /* of x0 and x1 */
+    enum pccd_format format; /* of x0 and x1. 0 is PCCD_FORMAT_F32: doubles read as that
+                                are other positions, which nobody notices */
     const void *x0, *x1;     /* [count][3] */
-    const double *m0, *m1;   /* [12] */
+    const double *m0, *m1;   /* [12]: any affine transform, also one that scales or, with
+                                zeros, collapses the body */
 };
 
 /* Begin a frame, copy these motions into it and commit it, in one call. The arrays may
@@ -775,7 +783,8 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
  * which brings each vertex to the place on its straight way. Where the two turn that is a
  * transform, but no rotation. Or it hangs on a joint: then the values of all joints go to
  * from + part (to - from), in doubles, and x[i] is memory for 12 doubles: the transform
- * that it has there. x[i] lies in neither end. *part is 0 .. 1; 1: x is x1. 0: x is x0,
+ * that it has there. x[i] lies in neither end. *part is 0 .. 1, one for all
+ * that moves: two bodies that meet hold up the others, too; 1: x is x1. 0: x is x0,
  * as what meets at t = 0 (PCCD_INITIAL) leaves no way to go, unless the settings have an
  * `approach`, or leave out what touches and does not enter (`touching`). The answer is
  * that of the whole step, in the mode that was asked for, and the caller's to release; an
@@ -787,7 +796,8 @@ int pccd_step_safe(struct pccd_client *client, uint32_t scene,
                    const struct pccd_step_settings *settings, void *const *x,
                    double *part, struct pccd_answer *answer);
 /* Step the first vertex_count vertices of one object, as pccd_step does; all other
- * vertices stand still. E_SEGMENT: the object has fewer. */
+ * vertices stand still. It stands at x1 then, also if it met something. E_SEGMENT: the
+ * object has fewer. */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer);

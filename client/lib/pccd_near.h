@@ -1,10 +1,10 @@
 /* pccd_near.h - how near things are at one moment: distances, closest features,
  * crossings, depth.
  *
- * Ask about a scene where its last step began or ended, or at positions that the same
- * request brings. Exact arithmetic decides each distance; a pair that is exactly
- * `distance` apart is in the answer. Of thick objects it is that of their surfaces:
- * pccd(7), THICKNESS, says what that is for each question.
+ * Ask about a scene where its last step began or ended (at x1, also if something met), or
+ * at positions that the same request brings. Exact arithmetic decides each distance; a
+ * pair that is exactly `distance` apart is in the answer. Of thick objects it is that of
+ * their surfaces: pccd(7), THICKNESS, says what that is for each question.
  *
  * Threads: as pccd.h, which includes this header.
  *

@@ -80,7 +80,8 @@ int pccd_near_points(const struct pccd_body *bodies, uint32_t body_count,
 
 struct pccd_manifold_point {
     double point[3];  /* half way between the points of both */
-    double normal[3]; /* unit, from object_a to object_b; zeros: the record has none */
+    double normal[3]; /* unit, from object_a to object_b, against that of a record, which
+                         is from its b to its a; zeros: the record has none */
     double distance;  /* of contacts: of both points at toi, as they are rounded; of what
                          is near: d_lo, how deep it is where DEPTH was asked */
     double toi;       /* of contacts; else 0 */

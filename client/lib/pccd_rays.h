@@ -1,9 +1,10 @@
 /* pccd_rays.h - rays, spheres and capsules that are cast through a scene, many at once.
  *
  * A ray is a point that moves, a sphere one with a radius, a capsule an edge with a
- * radius that moves. Casting is a step in which these move and all else stands where the
- * last step left it; so what is hit, and when, is as exact as a contact, and the same
- * bytes everywhere.
+ * radius that moves. A ray passes rods and points without a radius, as any point does
+ * (struct pccd_mesh_data): give either one, or the settings of the cast a separation.
+ * Casting is a step in which these move and all else stands where the last step left it;
+ * so what is hit, and when, is as exact as a contact, and the same bytes everywhere.
  *
  *     struct pccd_rays_settings settings = PCCD_RAYS_SETTINGS_INIT;
  *     settings.count = 2;

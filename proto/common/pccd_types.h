@@ -336,7 +336,7 @@ struct pccd_scene_answer {
 /* The answer of mode `any`. */
 enum pccd_verdict {
     PCCD_VERDICT_NO = 0,
-    PCCD_VERDICT_POSSIBLE = 1, /* nothing proved, something undecided: not yet given */
+    PCCD_VERDICT_POSSIBLE = 1, /* nothing proved, something undecided */
     PCCD_VERDICT_YES = 2,
     PCCD_VERDICT_NONE = 3 /* other modes, or incomplete before a decision */
 };
@@ -353,7 +353,9 @@ enum pccd_verdict {
  *              EE: position along edge a and along edge b, 0 at the lower vertex index.
  *              VE: 0, then the position along the edge. VV: zeros.
  * normal       unit, pointing from feature b to feature a as they lie at t = 0; zeros
- *              where the configuration has no direction (coincident features). */
+ *              where the configuration has no direction (coincident features). Of VF a
+ *              is the vertex, whichever object has it; manifolds (pccd_points.h) point
+ *              from the lower object to the other. */
 struct pccd_contact {
     uint32_t kind;      /* enum pccd_kind */
     uint32_t flags;     /* enum pccd_contact_flag */

@@ -88,7 +88,7 @@ class Thick(Case):
                 with batch.step(at(height)[np.newaxis], left) as answer:
                     if safe is not None:  # it began at 0
                         self.assertEqual(answer.scenes[0]["total"], 0 if safe else total)
-        with self.assertRaisesRegex(pccd.PccdError, "kept, told, left_out"):
+        with self.assertRaisesRegex(pccd.PccdError, "kept, told, left-out"):
             pccd.StepSettings(touching="left")
 
     # If this failed, Python would have no rods and clouds, or others than it says.

@@ -124,7 +124,7 @@ class StepSettings:
     # t = 0; above 0 and below 1: at this part of the distance that they begin with
     tells_start: bool = False  # say how it begins, too: Answer.crossings, start_inside
     touching: Union[int, str] = Touching.KEPT  # what touches at t = 0: "told": whether it
-    # enters, slides or leaves; "left_out": what does not enter is no contact then
+    # enters, slides or leaves; "left-out": what does not enter is no contact then
     resolution: float = 0.0  # of bodies that turn: what comes within so much more than
     # the distance at which it meets may be possible; 0 = 2^-20 of the size of the two
 
@@ -224,7 +224,7 @@ def enumerator(kind: Any, name: str, value: Any) -> int:
         value = names.get(value.upper().replace("-", "_"), value)
     if isinstance(value, (str, enum.Enum)) and not isinstance(value, kind):
         raise refusal(Status.E_INVAL, f"{name} is {value!r}, not one of "
-                      f"{', '.join(names).lower()}")
+                      f"{', '.join(names).lower().replace('_', '-')}")
     return u32(name, value)
 
 
