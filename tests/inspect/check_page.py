@@ -520,15 +520,25 @@ class Opened(InBrowser):
         self.set("find", "edge")
         self.set("up", "x")
         self.browser.click("#go-next")
-        self.browser.wait("return location.hash.includes('camera=')")
-        self.browser.frames()
-        names = ("index", "chosen", "find", "up", "camera", "t")
+        self.browser.click("#xray")
+        self.browser.click("#wires")
+        self.browser.click("#engine summary")
+        self.browser.press("1")
+        self.browser.run("pccd.state.set({range: [0, 0.9]})")
+        camera = None
+        while camera != self.value("camera"):  # it glides
+            camera = self.value("camera")
+            self.browser.frames(8)
+        names = ("index", "chosen", "find", "up", "opacity", "wires", "engine", "kinds",
+                 "range", "camera", "t")
         values = [self.value(name) for name in names]
+        self.browser.wait("return location.hash.includes('range=0%2C0.9')")
         behind = self.browser.run("return location.hash")
         self.open(behind=behind)
         again = [self.value(name) for name in names]
         self.assertEqual(again[:-1], values[:-1])
         self.assertLess(abs(again[-1] - values[-1]), 1e-6)
+        self.assertTrue(self.browser.run("return document.getElementById('engine').open"))
         self.assertTrue(self.is_seen("detail"))
         self.open(behind="#step=x&record=-3&t=7&up=q&order=q&pair=9,9&camera=1,,2,0,0,0")
         self.assertEqual((self.value("chosen"), self.value("pair")), (-1, ""))

@@ -1,6 +1,6 @@
 // main.js - the page of `pccdctl inspect`: puts the parts together.
 
-import { keepAddress, readAddress } from "./address.js";
+import { keepAddress, readAddress, unsaid } from "./address.js";
 import { scaleGradient, setTheme } from "./colours.js";
 import { makeContacts } from "./contacts.js";
 import { makeCounters } from "./counters.js";
@@ -168,6 +168,9 @@ function makeToggles(state, does) {
     byId("up").value = up;
   });
   byId("engine").addEventListener("toggle", () => state.set({ engine: byId("engine").open }));
+  state.on(["engine"], ({ engine }) => {
+    byId("engine").open = engine;
+  });
 }
 
 /** Whether anything in the page has a thickness. */
@@ -213,9 +216,7 @@ async function start() {
   const view = makeView((camera, pin, at) => {
     drawAxes(camera);
     movePin(pin);
-    if (at !== null) {
-      state.set({ camera: at });
-    }
+    state.set({ camera: at });
   });
   const flyTo = (i, isClose) => {
     const { index } = state.values;
@@ -226,6 +227,10 @@ async function start() {
       view.flyToContact(step, i, step.contacts.toi[i], sizeOf(step, i, view.extentRadius()), isClose);
     }
   };
+  byId("copy-address").addEventListener("click", async () => {
+    await copyText(window.location.href);
+    byId("copy-address").textContent = "copied";
+  });
   const does = {
     goTo,
     fit() {
@@ -276,7 +281,7 @@ async function start() {
   window.addEventListener("hashchange", async () => {
     const asked = readAddress(data);
     await goTo(asked.index ?? state.values.index);
-    follow({ find: "", pair: "", order: "toi", t: 1, ...asked });
+    follow({ ...unsaid(first), t: 1, ...asked });
   });
   // For consoles, and for the tests of the page.
   window.pccd = {

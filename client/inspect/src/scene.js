@@ -36,7 +36,7 @@ function viewDirection(up) {
 }
 
 /** Throws where there is no WebGL. `onMove(camera, pin, at)`: after each picture; `at`: where the
- * camera rests, for lookFrom ("": where everything is seen), or null while it moves. */
+ * camera is, for lookFrom ("": where everything is seen). */
 export function makeScene(canvas, onMove) {
   const renderer = new WebGLRenderer({ canvas, antialias: true });
   const scene = new Scene();
@@ -99,7 +99,7 @@ export function makeScene(canvas, onMove) {
     camera.far = away * 20 + (extent ? 20 * extent.radius : 0);
     camera.updateProjectionMatrix();
     renderer.render(scene, camera);
-    onMove(camera, pin && placeOf(pin.step, pin.i, uniforms.t.value), moves ? null : cameraText());
+    onMove(camera, pin && placeOf(pin.step, pin.i, uniforms.t.value), cameraText());
     if (moves) {
       draw();
     }
