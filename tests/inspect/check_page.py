@@ -8,6 +8,7 @@ Does:     open it from the file system and use it as people do; compare what it 
 """
 
 import csv
+import json
 import math
 import os
 import pathlib
@@ -17,7 +18,7 @@ import unittest
 
 from browser import Browser, is_here
 from scene import (BAR, FRAMES, NAME, POST, RADIUS, TIP, ObjectsScene, Scene,
-                   ThickScene, TurningScene, pccdctl, positions, record_frames)
+                   ThickScene, TurningScene, faces, pccdctl, positions, record_frames)
 
 SPACE, ENTER, RIGHT, HOME, DOWN = " ", "\ue007", "\ue014", "\ue011", "\ue015"
 PAGE_UP = "\ue00e"
@@ -509,9 +510,14 @@ class Opened(InBrowser):
         self.browser.click("#copy")
         self.browser.wait("return window.copied")
         copied = self.browser.run("return window.copied")
-        for part in (f"step {number}: vertex {row['i0']} meets face", facts["place"],
-                     facts["normal"], facts["time"]):
-            self.assertIn(part, copied)
+        told = json.loads(copied)
+        self.assertEqual((told["step"], told["record"], told["kind"]), (number, 1, "vf"))
+        self.assertEqual((told["toi"], told["a"]["vertex"]),
+                         (float(row["toi"]), int(row["i0"])))
+        self.assertEqual(faces()[told["b"]["face"]],
+                         tuple(int(row[i]) for i in ("i1", "i2", "i3")))
+        self.assertLess(max(abs(x - float(row["b" + axis]))
+                            for x, axis in zip(told["at"], "xyz", strict=True)), 1e-5)
         self.assertEqual(self.text("copied"), "copied")
 
     # If it failed, who is sent an address would see something else.
@@ -551,7 +557,7 @@ class Opened(InBrowser):
     # If it failed, text over the view, or small and grey text, could not be read; or
     # early contacts not be seen in the dark.
     def test_contrast__is_enough_in_the_dark_and_in_the_light(self):
-        self.browser.run("pccd.state.set({chosen: 0})")
+        self.browser.run("pccd.state.set({chosen: pccd.state.values.picked[0]})")
         self.addCleanup(self.browser.dress, "dark")
         texts = ("#caption", "#scale-text", "#fit", "#sentence", "#place", "#find",
                  "#go-next", "#detail dt", "#detail dd", "#kind-vf", "#picked",
@@ -812,6 +818,76 @@ SMALL = """
       const {width, height} = one.getBoundingClientRect();
       return width > 0 && (width < 32 || height < 36);
     }).map((one) => one.id);"""
+
+
+class LeftOut(InBrowser):
+    """Four steps, by a daemon that keeps few records: nothing; the first contacts; few;
+    most, of which some were not told."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        few = os.path.join(All.folder, "few.sh")
+        with open(few, "w") as to:
+            to.write('#!/bin/sh\nexec "$PCCD_DAEMON" --contacts-max 36 "$@"\n')
+        os.chmod(few, 0o755)
+        frames = [f"frame{i}.ply" for i in (0, 0, 1, 2, 3)]
+        pccdctl("record", "-o", "few.rec", "--", os.environ["PCCDCTL"], "load",
+                "--private", "--daemon", few, *frames, folder=All.folder)
+        said = pccdctl("check", "--json", "--repeat", "0", *frames, folder=All.folder)
+        cls.steps = json.loads(said.stdout)["steps"]
+
+    def show(self, *options, behind=""):
+        pccdctl("inspect", "few.rec", "-o", "few.html", *options, folder=All.folder)
+        self.open(os.path.join(All.folder, "few.html"), behind)
+
+    # If it failed, a page with one step in two would call a step the first with a contact
+    # that is not, and the true one could not be found.
+    def test_whole__is_of_steps_that_are_left_out_too(self):
+        most, first = self.steps[3]["contacts"], self.steps[1]
+        self.show("--every", "2")
+        self.assertTrue(self.text("whole").startswith(
+            f"In 3 of 4 steps something meets, first in step 2, most in step 4 ({most})"),
+            self.text("whole"))
+        self.assertNotIn("with the most", self.text("caption"))
+        feature = first["first"]
+        for go in ("#whole button", "#go-earliest"):
+            self.browser.click(go)
+            self.browser.frames()
+            said = self.text("absent")
+            self.assertIn("step 2 was left out: the page has one step in 2. Known of "
+                          f"it: {first['contacts']} contacts, the first at t = "
+                          f"{first['toi_first']:.4g}: ", said)
+            for side in ("a", "b"):
+                name, its = next(iter(feature[side].items()))
+                its = "-".join(map(str, its)) if name == "edge" else its
+                self.assertIn(f"{name} {its}", said)
+            self.set("step", 1)
+            self.assertFalse(self.is_seen("absent"))
+            self.set("step", 0)
+        self.show("--every", "2", behind="#step=4")
+        command = self.browser.run(
+            "return document.querySelector('#absent code').innerText")
+        pccdctl(*shlex.split(command)[1:], folder=All.folder)
+        self.open(os.path.join(All.folder, "step-4.html"))
+        self.assertEqual(number(self.text("total")), most)
+        self.open(behind="#step=77")
+        self.assertIn("knows no step 77: its steps are 1 to 5", self.text("absent"))
+
+    # If it failed, an answer that the program did not get would be shown as the one it
+    # had.
+    def test_chips__tell_what_was_incomplete_when_it_was_recorded(self):
+        self.show()
+        chips = self.text("chips")
+        self.assertIn("1 of 4 answers was incomplete when recorded", chips)
+        self.assertIn("3 of 4 answers as recorded", chips)
+        self.assertIn("complete, all proved", chips)
+        self.assertNotIn("✓ answers as recorded", chips)
+        self.set("step", 3)
+        self.assertEqual(self.facts("facts")["as recorded"], "incomplete")
+        self.set("step", 2)
+        self.assertNotIn("as recorded", self.facts("facts"))
+        self.assertEqual(self.facts("facts")["answer"], "complete, all proved")
 
 
 class Phone(InBrowser):

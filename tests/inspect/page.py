@@ -53,7 +53,8 @@ class Page:
     def flags(self, step):
         """Of the contacts of a step, with their kinds in bits 6 and 7."""
         contacts = self.meta["steps"][step]["contacts"]
-        return self.section(contacts["at"], 24 * contacts["count"])[23::24]
+        count = contacts["count"]
+        return self.section(contacts["at"], 32 * count)[31 * count:]
 
     def positions(self, step, end, item=0):
         """Of an object at the end "x0" or "x1" of a step: [[x, y, z], ...]."""

@@ -62,12 +62,13 @@ static void fall_end(struct fall *fall)
     free(fall->mesh.is_free_vertex);
 }
 
-/* A file with the steps 1 .. step_count under a name; what is in it. */
-static char *write_page(const char *name, uint32_t step_count, uint64_t bytes_max,
-                        uint64_t *kept, uint64_t *bytes)
+/* A file with the steps 1 .. step_count under a name, one in `every` of them drawn; what
+ * is in it. */
+static char *write_page(const char *name, uint32_t step_count, uint64_t every,
+                        uint64_t bytes_max, uint64_t *kept, uint64_t *bytes)
 {
     const struct inspect_settings settings = {
-        .every = 1, .bytes_max = bytes_max, .up = 3};
+        .every = every, .bytes_max = bytes_max, .up = 3};
     struct play_summary summary = {.frames = step_count};
     struct ctl_error error = {.text = ""};
     struct page_file page;
@@ -127,7 +128,7 @@ CASE(name__cannot_end_its_element)
                                         "a\\\"</SCRIPT ", "&lt;\xe2\x80\xa8\x01"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         uint64_t kept, bytes;
-        char *text = write_page(names[i], 1, 1 << 20, &kept, &bytes);
+        char *text = write_page(names[i], 1, 1, 1 << 20, &kept, &bytes);
         json_t *meta = meta_of(text);
         const json_t *recording = json_object_get(meta, "recording");
         assert_string_equal(json_string_value(json_object_get(recording, "name")),
@@ -149,7 +150,7 @@ CASE(name__may_be_any_bytes)
     memset(name, 'n', sizeof name);
     name[0] = '\xff';
     name[sizeof name - 1] = '\0';
-    char *text = write_page(name, 1, 1 << 20, &kept, &bytes);
+    char *text = write_page(name, 1, 1, 1 << 20, &kept, &bytes);
     json_t *meta = meta_of(text);
     const char *got =
         json_string_value(json_object_get(json_object_get(meta, "recording"), "name"));
@@ -163,11 +164,11 @@ CASE(name__may_be_any_bytes)
 CASE(size__is_kept_and_used)
 {
     uint64_t kept, bytes, all;
-    free(write_page("whole", 40, 1 << 20, &kept, &all));
+    free(write_page("whole", 40, 1, 1 << 20, &kept, &all));
     assert_int_equal(kept, 40);
     for (uint64_t most = all / 3; most < all + 5000; most += 777) {
         json_t *meta;
-        char *text = write_page("part", 40, most, &kept, &bytes);
+        char *text = write_page("part", 40, 1, most, &kept, &bytes);
         assert_true(bytes <= most);
         assert_true(kept == 40 || bytes + 4096 + 2 * (all / 40) > most);
         meta = meta_of(text);
@@ -177,6 +178,26 @@ CASE(size__is_kept_and_used)
         json_decref(meta);
         free(text);
     }
+}
+
+/* If it failed, the page would say nothing of a step whose drawing is left out, or what
+ * it says of many would make it larger than was allowed. */
+CASE(left_out__steps_are_told_of_and_counted)
+{
+    uint64_t kept, bytes, all;
+    free(write_page("some", 90, 40, 1 << 20, &kept, &all));
+    assert_int_equal(kept, 3);
+    char *text = write_page("some", 90, 40, all - 2000, &kept, &bytes);
+    json_t *meta = meta_of(text), *told = json_object_get(meta, "left_out");
+    assert_true(bytes <= all - 2000);
+    assert_int_equal(kept, 2);
+    assert_in_range(json_array_size(told), 40, 86);
+    const json_t *step = json_array_get(told, 0);
+    assert_int_equal(json_integer_value(json_object_get(step, "number")), 2);
+    assert_string_equal(json_string_value(json_object_get(step, "first_pair")),
+                        "edge 0-2 meets edge 1-2");
+    json_decref(meta);
+    free(text);
 }
 
 /* If it failed, --max-size would promise what the file does not keep. */
@@ -211,13 +232,22 @@ CASE(step__is_packed_as_the_page_reads_it)
     struct page_file page;
     struct inspect inspect;
     struct fall fall;
-    struct inspect_contact contact;
+    struct { /* the columns, of one contact */
+        double toi;
+        float param[2];
+        uint32_t feature_a, feature_b;
+        uint16_t object_a, object_b;
+        int8_t normal[3];
+        uint8_t flags;
+    } contact;
     float x[3];
     FILE *file = tmpfile();
     assert_non_null(file);
     inspect_init(&inspect, &settings, &page, &error);
     page_file_begin(&page, file, "page", template, sizeof template - 1, &error);
     fall_begin(&fall, 1);
+    fall.contact.toi = 0.1;
+    fall.contact.param[0] = 0.3f;
     assert_ok(inspect_step(&inspect, &fall.step, &error));
     assert_int_equal(inspect.origin[0], 1e9 + 1);
     const json_t *step = json_array_get(inspect.steps, 0);
@@ -231,8 +261,8 @@ CASE(step__is_packed_as_the_page_reads_it)
     memcpy(&contact, inspect.data.at + at, sizeof contact);
     assert_int_equal(contact.feature_a, 1);
     assert_int_equal(contact.feature_b, 2);
-    assert_true(contact.toi == 0.25f);
-    assert_int_equal(contact.param[1], 65535);
+    assert_true(contact.toi == 0.1);
+    assert_true(contact.param[0] == 0.3f && contact.param[1] == 1.0f);
     assert_int_equal(contact.normal[1], -127);
     assert_int_equal(contact.flags, PCCD_EE << INSPECT_KIND_SHIFT | PCCD_PROVED);
     fall_end(&fall);

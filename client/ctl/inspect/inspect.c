@@ -12,7 +12,7 @@
 #include "recorded_state.h"
 #include "report.h"
 
-#define FORMAT 4 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 5 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
@@ -49,14 +49,18 @@ int inspect_init(struct inspect *inspect, const struct inspect_settings *setting
     *inspect = (struct inspect){.settings = *settings,
                                 .page = page,
                                 .steps = json_array(),
-                                .meshes = json_array()};
-    return inspect->steps != NULL && inspect->meshes != NULL ? PCCD_OK : no_memory(error);
+                                .meshes = json_array(),
+                                .left_out = json_array()};
+    return inspect->steps != NULL && inspect->meshes != NULL && inspect->left_out != NULL
+               ? PCCD_OK
+               : no_memory(error);
 }
 
 void inspect_deinit(struct inspect *inspect)
 {
     json_decref(inspect->steps);
     json_decref(inspect->meshes);
+    json_decref(inspect->left_out);
     bytes_deinit(&inspect->data);
     bytes_deinit(&inspect->packed);
     free(inspect->boxes);
@@ -93,50 +97,69 @@ static json_t *times_of(const struct pccd_step_times *times, bool *ok)
     return object;
 }
 
-static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
+/* Return what is told of steps that are left out, too. */
+static json_t *summary_of(const struct pccd_answer *answer, bool *ok)
 {
     json_t *object = json_object();
-    char hash[PROTO_HASH_BYTES];
-    proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
     set_name(object, "status", pccd_status_name(answer->status), ok);
     set_name(object, "mode", common_mode_name(answer->mode), ok);
-    set_name(object, "method", common_method_name(answer->method), ok);
-    set_name(object, "tuning", answer->tuning[0] != '\0' ? answer->tuning : NULL, ok);
     set_count(object, "incomplete", answer->incomplete, ok);
     set_count(object, "verdict", answer->verdict, ok);
-    set_count(object, "threads", answer->threads, ok);
     set_count(object, "total", answer->total, ok);
-    report_kinds(object, answer->counts, ok);
     set_count(object, "possible", answer->possible, ok);
-    set_count(object, "initial", answer->initial, ok);
-    set_count(object, "inside", answer->inside, ok);
     set_count(object, "crossings", answer->crossings, ok);
     set_count(object, "start_inside", answer->start_inside, ok);
-    set(object, "safe_step", json_real(answer->safe_step), ok);
-    set(object, "crowded", json_boolean(answer->crowded), ok);
     set(object, "toi_first",
         answer->toi_first <= 1 ? json_real(answer->toi_first) : json_null(), ok);
+    return object;
+}
+
+static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
+{
+    json_t *object = summary_of(answer, ok);
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
+    set_name(object, "method", common_method_name(answer->method), ok);
+    set_name(object, "tuning", answer->tuning[0] != '\0' ? answer->tuning : NULL, ok);
+    set_count(object, "threads", answer->threads, ok);
+    report_kinds(object, answer->counts, ok);
+    set_count(object, "initial", answer->initial, ok);
+    set_count(object, "inside", answer->inside, ok);
+    set(object, "safe_step", json_real(answer->safe_step), ok);
+    set(object, "crowded", json_boolean(answer->crowded), ok);
     set_name(object, "hash", hash, ok);
     set(object, "times", times_of(&answer->times, ok), ok);
     set(object, "counters", report_counters(answer, ok), ok);
     return object;
 }
 
-/* Return "same", "other", or "none": there is nothing to compare; with a gap any pair
- * will do. */
+/* Return "same", "other", "incomplete": the recorded answer was, and the page shows all
+ * of it; or "none": there is nothing to compare; with a gap any pair will do. */
 static const char *compare_step(const struct play_step *step)
 {
     const struct record_answer *then = step->recorded;
     const struct pccd_answer *now = step->answer;
     if (then == NULL || (step->asked != NULL && play_has_gap(step->asked)) ||
-        (then->status == PCCD_OK && (!play_is_complete(then->incomplete) ||
-                                     !play_is_complete((uint32_t)now->incomplete)))) {
+        (then->status == PCCD_OK && !play_is_complete((uint32_t)now->incomplete))) {
         return "none";
+    }
+    if (then->status == PCCD_OK && !play_is_complete(then->incomplete)) {
+        return "incomplete";
     }
     bool is_same = then->status == now->status &&
                    (then->status != PCCD_OK ||
                     memcmp(then->hash, now->hash, sizeof then->hash) == 0);
     return is_same ? "same" : "other";
+}
+
+/* Say how an answer compares with the recorded one, and why that one was cut short. */
+static void set_compared(json_t *object, const struct play_step *step,
+                         const char *compared, bool *ok)
+{
+    set_name(object, "recorded", compared, ok);
+    if (step->recorded != NULL && !play_is_complete(step->recorded->incomplete)) {
+        set_count(object, "recorded_incomplete", step->recorded->incomplete, ok);
+    }
 }
 
 /* ---- steps ------------------------------------------------------------------------- */
@@ -171,7 +194,7 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     json_t *object = json_object();
     set_count(object, "number", step->number, &ok);
     set_count(object, "scene", step->scene->handle, &ok);
-    set_name(object, "recorded", compared, &ok);
+    set_compared(object, step, compared, &ok);
     set(object, "answer", answer_of(step->answer, &ok), &ok);
     set(object, "tells_start", json_boolean(step->frame->tells), &ok);
     set(object, "objects",
@@ -233,18 +256,32 @@ static int add(struct inspect *inspect, uint64_t number, json_t *object, json_t 
     return status;
 }
 
-/* Return whether the next step or question is shown; then begin to collect its data. */
-static bool is_chosen(struct inspect *inspect, const struct registry_scene *scene)
+/* Keep what the page says of all steps, also of one whose drawing is left out. */
+static int leave_out(struct inspect *inspect, const struct play_step *step,
+                     const char *compared, struct ctl_error *error)
 {
-    if (inspect->seen++ % inspect->settings.every != 0) {
-        inspect->left_out++;
-        return false;
+    bool ok = true;
+    json_t *object = json_object();
+    json_t *answer = summary_of(step->answer, &ok);
+    set(answer, "times", json_pack("{s:I}", "step", (json_int_t)step->answer->times.step),
+        &ok);
+    set_count(object, "number", step->number, &ok);
+    set_compared(object, step, compared, &ok);
+    if (step->asked != NULL) {
+        set_name(object, "near", common_near_name(step->answer->what), &ok);
     }
-    if (!inspect->has_origin) {
-        choose_origin(inspect, scene);
+    set(object, "answer", answer, &ok);
+    set(object, "first_pair", inspect_first_pair(step), &ok);
+    if (!ok) {
+        json_decref(object);
+        return no_memory(error);
     }
-    bytes_empty(&inspect->data);
-    return true;
+    inspect->meta_bytes += page_file_json_bytes(object) + 1;
+    inspect->is_full = inspect->page->bytes + inspect->meta_bytes + META_REST >
+                       inspect->settings.bytes_max;
+    return json_array_append_new(inspect->left_out, object) != 0 ? no_memory(error)
+           : inspect->is_full                                    ? PCCD_E_CANCELLED
+                                                                 : PCCD_OK;
 }
 
 static int find_edges(const struct registry_scene *scene, struct ctl_error *error)
@@ -271,7 +308,7 @@ static json_t *describe_near(struct inspect *inspect, const struct play_step *ne
     set(answer, "distance_max", json_real(near->answer->distance_max), &ok);
     set_count(object, "number", near->number, &ok);
     set_count(object, "scene", near->scene->handle, &ok);
-    set_name(object, "recorded", compared, &ok);
+    set_compared(object, near, compared, &ok);
     set_name(object, "near", common_near_name(near->answer->what), &ok);
     set(object, "answer", answer, &ok);
     set(object, "objects", inspect_pack_objects(inspect, near->scene, moment, meshes),
@@ -304,13 +341,17 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     }
     const char *compared = compare_step(step);
     inspect->differ += strcmp(compared, "other") == 0;
-    if (!is_chosen(inspect, step->scene)) {
-        return PCCD_OK;
-    }
     int status = find_edges(step->scene, error);
     if (status != PCCD_OK) {
         return status;
     }
+    if (inspect->seen++ % inspect->settings.every != 0) {
+        return leave_out(inspect, step, compared, error);
+    }
+    if (!inspect->has_origin) {
+        choose_origin(inspect, step->scene);
+    }
+    bytes_empty(&inspect->data);
     if (step->trace != NULL && step->trace->status != PCCD_OK) {
         memcpy(inspect->no_lanes, step->trace->text, sizeof inspect->no_lanes);
     }
@@ -370,6 +411,7 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set(meta, "up", json_stringn(&"xyz"[inspect->settings.up - 1], 1), &ok);
     set(meta, "meshes", json_incref(inspect->meshes), &ok);
     set(meta, "steps", json_incref(inspect->steps), &ok);
+    set(meta, "left_out", json_incref(inspect->left_out), &ok);
     int status = ok ? page_file_finish(inspect->page, meta, error) : no_memory(error);
     json_decref(meta);
     return status;
@@ -403,6 +445,14 @@ int inspect_write(struct inspect *inspect, const struct inspect_settings *settin
         }
         if (status == PCCD_OK) {
             status = source->fill(source->context, inspect, summary, &all, error);
+        }
+        if (status == PCCD_OK && inspect->is_full && !file->is_direct &&
+            thinned.every >= all) {
+            status = ctl_error_set(error, PCCD_E_LIMIT,
+                                   "what is said of %" PRIu64 " steps makes a page "
+                                   "that is too large: --max-size allows more, --steps "
+                                   "A..B of inspect shows fewer",
+                                   all);
         }
         if (status == PCCD_OK && inspect->is_full && !file->is_direct) {
             thinned.every = every_with_room(inspect, all);

@@ -68,7 +68,11 @@ uint64_t page_file_json_bytes(const json_t *value);
  *     positions  f32[3] relative to the page's origin, in its unit; or, rounded,
  *                f32[3] low, f32[3] step, then u16[3] in which x = low + step * number
  *     joints     struct pccd_joint, as recorded
- *     contacts   struct inspect_contact; boxes: struct pccd_box, in the same way
+ *     contacts   of each column all: toi f64, u and v f32[2], feature_a u32, feature_b
+ *                u32, object_a u16, object_b u16 (places in the step's list of objects),
+ *                normal i8[3] (-127 .. 127 for -1 .. 1), flags u8 (enum pccd_contact_flag
+ *                | enum pccd_kind << INSPECT_KIND_SHIFT)
+ *     boxes      struct pccd_box, in the same way as positions
  *     lines      struct inspect_line; events: struct inspect_event */
 
 struct inspect_settings {
@@ -80,25 +84,16 @@ struct inspect_settings {
     bool is_of_files;   /* and not of a recording */
 };
 
-/* 24 bytes. */
-struct inspect_contact {
-    uint32_t feature_a, feature_b;
-    uint16_t object_a, object_b; /* places in the step's list of objects */
-    float toi;
-    uint16_t param[2]; /* 0 .. 65535 for 0 .. 1 */
-    int8_t normal[3];  /* -127 .. 127 for -1 .. 1 */
-    uint8_t flags;     /* enum pccd_contact_flag | enum pccd_kind << INSPECT_KIND_SHIFT */
-};
 #define INSPECT_KIND_SHIFT 6u
 
 struct inspect {
     struct inspect_settings settings;
     struct page_file *page; /* the caller's, begun */
     json_t *steps, *meshes; /* ours: arrays */
+    json_t *left_out;       /* ours: what is told of steps that --every leaves out */
     uint64_t meta_bytes;    /* of these, in the file */
     uint64_t first, last;   /* steps in the file; 0: none */
     uint64_t seen, kept;
-    uint64_t left_out; /* steps of `seen` that --every leaves out */
     uint64_t differ;   /* answers other than the recorded ones */
     uint64_t lost;     /* events */
     bool is_full;      /* steps are missing: there was no room */
@@ -136,6 +131,9 @@ json_t *inspect_pack_joints(struct inspect *inspect,
 /* Return {"at", "count"} of the contacts, or of the pairs of mode pairs, as contacts at
  * t = 0. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
+/* Return "vertex 17 of ball meets face 3 of cloth", of the contact of a step that comes
+ * first; null: it has none. */
+json_t *inspect_first_pair(const struct play_step *step);
 /* Return {"at", "count"} of what is near, or of the vertices that have something near. */
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_step *near);
 /* Return {"at", "count", "threads", "ns", "lost"}, or null: it was not recorded. */

@@ -1,4 +1,5 @@
 /* inspect_pack.c - parts of a step as sections of data. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 
 #include "array.h"
 #include "inspect.h"
+#include "kinds.h"
 #include "output.h"
 #include "recorded_state.h"
 
@@ -96,9 +98,13 @@ void bytes_deinit(struct bytes *bytes)
     memset(bytes, 0, sizeof *bytes);
 }
 
-#define LEVELS 65535.0 /* of a rounded coordinate */
+#define LEVELS        65535.0 /* of a rounded coordinate */
+#define CONTACT_BYTES 32u
 
-_Static_assert(sizeof(struct inspect_contact) == 24, "data.js reads 24 bytes");
+/* Bytes of texts that are cut to fit. */
+#define OWNER_BYTES      128u
+#define FIRST_PAIR_BYTES 384u
+
 _Static_assert(PCCD_KIND_COUNT <= 1 << (8 - INSPECT_KIND_SHIFT), "a kind has its room");
 _Static_assert(sizeof(struct inspect_line) == 48, "data.js reads 48 bytes");
 _Static_assert(sizeof(struct inspect_event) == 20, "data.js reads 20 bytes");
@@ -373,14 +379,18 @@ static bool find_object(const struct registry_scene *scene, uint32_t handle,
     return false;
 }
 
-static uint16_t share_of(float value)
-{
-    return (uint16_t)lrintf(fminf(fmaxf(value, 0), 1) * 65535);
-}
-
 static int8_t part_of(float value)
 {
     return (int8_t)lrintf(fminf(fmaxf(value, -1), 1) * 127);
+}
+
+/* Find the places of a record's objects. Return false for a record that makes no sense:
+ * see snapshot.c. */
+static bool makes_sense(const struct registry_scene *scene,
+                        const struct pccd_contact *record, uint16_t *a, uint16_t *b)
+{
+    return find_object(scene, record->object_a, a) &&
+           find_object(scene, record->object_b, b) && record->kind < PCCD_KIND_COUNT;
 }
 
 /* Pairs have no time, and no place on their features. */
@@ -399,35 +409,80 @@ static struct pccd_contact contact_of(const struct play_step *step, uint64_t i)
 
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step)
 {
+    enum { TOI, PARAM, FEATURE_A, FEATURE_B, OBJECT_A, OBJECT_B, NORMAL, FLAGS, COLUMNS };
+    static const size_t sizes[COLUMNS] = {8, 8, 4, 4, 2, 2, 3, 1};
     bool has_records = step->contacts != NULL || step->pairs != NULL;
     uint64_t count = has_records && step->scene != NULL ? step->found.count : 0;
-    size_t offset = 0;
-    uint16_t a = 0, b = 0;
     uint64_t packed = 0;
-    struct inspect_contact *to =
-        bytes_section(&inspect->data, count * sizeof *to, &offset);
-    for (uint64_t i = 0; to != NULL && i < count; i++) {
+    uint16_t a = 0, b = 0;
+    for (uint64_t i = 0; i < count; i++) {
         const struct pccd_contact from = contact_of(step, i);
-        if (!find_object(step->scene, from.object_a, &a) ||
-            !find_object(step->scene, from.object_b, &b)) {
-            continue; /* a record that makes no sense: see snapshot.c */
-        }
-        if (from.kind >= PCCD_KIND_COUNT) {
-            continue; /* nor does this one */
-        }
-        to[packed++] = (struct inspect_contact){
-            .feature_a = from.feature_a,
-            .feature_b = from.feature_b,
-            .object_a = a,
-            .object_b = b,
-            .toi = (float)from.toi,
-            .param = {share_of(from.param[0]), share_of(from.param[1])},
-            .normal = {part_of(from.normal[0]), part_of(from.normal[1]),
-                       part_of(from.normal[2])},
-            .flags = (uint8_t)((from.flags & (PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE)) |
-                               from.kind << INSPECT_KIND_SHIFT)};
+        packed += makes_sense(step->scene, &from, &a, &b);
     }
-    return to != NULL ? counted(inspect, offset, packed) : NULL;
+    size_t offset = 0;
+    uint8_t *to[COLUMNS];
+    to[0] = bytes_section(&inspect->data, packed * CONTACT_BYTES, &offset);
+    if (to[0] == NULL) {
+        return NULL;
+    }
+    for (uint32_t column = 1; column < COLUMNS; column++) {
+        to[column] = to[column - 1] + packed * sizes[column - 1];
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        const struct pccd_contact from = contact_of(step, i);
+        const void *values[COLUMNS] = {&from.toi,       &from.param, &from.feature_a,
+                                       &from.feature_b, &a,          &b};
+        if (!makes_sense(step->scene, &from, &a, &b)) {
+            continue;
+        }
+        const int8_t normal[3] = {part_of(from.normal[0]), part_of(from.normal[1]),
+                                  part_of(from.normal[2])};
+        const uint8_t flags =
+            (uint8_t)((from.flags & (PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE)) |
+                      from.kind << INSPECT_KIND_SHIFT);
+        values[NORMAL] = normal;
+        values[FLAGS] = &flags;
+        for (uint32_t column = 0; column < COLUMNS; column++) {
+            memcpy(to[column], values[column], sizes[column]);
+            to[column] += sizes[column];
+        }
+    }
+    return counted(inspect, offset, packed);
+}
+
+json_t *inspect_first_pair(const struct play_step *step)
+{
+    const struct pccd_contact *first = NULL;
+    char text[FIRST_PAIR_BYTES] = "";
+    for (uint64_t i = 0; step->contacts != NULL && i < step->found.count; i++) {
+        if (first == NULL || step->contacts[i].toi < first->toi) {
+            first = &step->contacts[i];
+        }
+    }
+    uint16_t places[2] = {0, 0};
+    if (first == NULL || !makes_sense(step->scene, first, &places[0], &places[1])) {
+        return json_null();
+    }
+    size_t used = 0;
+    for (uint32_t side = 0; side < 2 && used < sizeof text; side++) {
+        const struct registry_object *object = &step->scene->objects[places[side]];
+        const uint32_t feature = side == 0 ? first->feature_a : first->feature_b;
+        const uint32_t points = common_kinds[first->kind].points[side];
+        const uint32_t *v = recorded_feature(object->mesh, points, &feature);
+        char other[16] = "", owner[OWNER_BYTES] = "";
+        if (points == 2 && v != NULL) {
+            snprintf(other, sizeof other, "-%" PRIu32, v[1]);
+        }
+        if (step->scene->object_count > 1 && object->name != NULL) {
+            snprintf(owner, sizeof owner, " of %s", object->name);
+        } else if (step->scene->object_count > 1) {
+            snprintf(owner, sizeof owner, " of object %u", (unsigned)places[side]);
+        }
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %" PRIu32 "%s%s",
+                                 side == 0 ? "" : " meets ", common_feature_names[points],
+                                 points == 2 && v != NULL ? v[0] : feature, other, owner);
+    }
+    return json_text(text);
 }
 
 static void pack_ends(const struct inspect *inspect, const double ends[2][3],

@@ -38,6 +38,8 @@ export function readAddress({ meta }) {
   const index = meta.steps.findIndex(({ number: its }) => its === number("step"));
   if (index >= 0) {
     values.index = index;
+  } else if (number("step") > 0) {
+    values.absent = number("step"); // it is not drawn
   }
   if (number("t") >= 0 && number("t") <= 1) {
     values.t = number("t");

@@ -171,13 +171,13 @@ export function moveChoice(state, by) {
 
 /** First, previous, next; and which one of how many that is, in the order of the list. With several
  * steps also the first contact of all. */
-function makeGoing(data, state, { fly, goTo }) {
+function makeGoing(data, state, { fly, show }) {
   const earliest = firstStepOf(data);
   byId("go-earliest").addEventListener("click", async () => {
     state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", pair: "", playing: false });
-    await goTo(earliest);
-    if (state.values.index === earliest) { // nothing else was asked for meanwhile
-      state.set({ chosen: firstOf(data.step(earliest)) });
+    await show(earliest);
+    if (state.values.index === earliest.index) { // nothing else was asked for meanwhile
+      state.set({ chosen: firstOf(data.step(earliest.index)) });
       fly(state.values.chosen);
     }
   });
@@ -193,8 +193,8 @@ function makeGoing(data, state, { fly, goTo }) {
     const place = picked.indexOf(chosen);
     const measure = order === "toi" ? measureOf(data.step(index)) : null;
     const isAlone = picked.length === 0 || (picked.length === 1 && place === 0);
-    byId("go-earliest").hidden = earliest < 0 || data.meta.steps.length === 1;
-    byId("go-earliest").disabled = index === earliest && chosen >= 0 && chosen === firstOf(data.step(index));
+    byId("go-earliest").hidden = !earliest || data.all.length === 1;
+    byId("go-earliest").disabled = index === earliest?.index && chosen >= 0 && chosen === firstOf(data.step(index));
     byId("goes").hidden = isAlone && byId("go-earliest").hidden;
     for (const id of Object.keys(goes)) {
       byId(id).hidden = isAlone;
@@ -256,7 +256,7 @@ function makeFilters(data, state) {
   });
 }
 
-/** `does`: fly and goTo, as of makeKeys. */
+/** `does`: fly and show, as of makeKeys and main.js. */
 export function makeContacts(data, state, does) {
   const isTouched = window.matchMedia("(pointer: coarse)").matches;
   makeFilters(data, state);

@@ -6,11 +6,11 @@
 import { byId } from "./dom.js";
 import { makePose, readJoints } from "./joints.js";
 
-const FORMAT = 4;
+const FORMAT = 5;
 const KIND_SHIFT = 6; // of a contact's kind, over its flags
 export const INITIAL = 2;
 export const INSIDE = 4;
-const CONTACT_BYTES = 24;
+const CONTACT_BYTES = 32;
 const LINE_BYTES = 48;
 const EVENT_BYTES = 20;
 const BOX_BYTES = 48;
@@ -96,37 +96,26 @@ function readPositions(section, place, vertexCount, isRounded) {
 /** Columns, so that a hundred thousand contacts stay small. */
 function readContacts(section, { at, count }) {
   const buffer = section(at, CONTACT_BYTES * count);
-  const view = new DataView(buffer);
-  const contacts = {
-    count,
-    featureA: new Uint32Array(count),
-    featureB: new Uint32Array(count),
-    objectA: new Uint16Array(count),
-    objectB: new Uint16Array(count),
-    toi: new Float32Array(count),
-    u: new Float32Array(count),
-    v: new Float32Array(count),
-    normal: new Float32Array(3 * count),
-    kind: new Uint8Array(count),
-    flags: new Uint8Array(count),
+  let used = 0;
+  const column = (make, width = 1) => {
+    const made = new make(buffer, used, width * count);
+    used += made.byteLength;
+    return made;
   };
-  for (let i = 0; i < count; i++) {
-    const from = i * CONTACT_BYTES;
-    contacts.featureA[i] = view.getUint32(from, true);
-    contacts.featureB[i] = view.getUint32(from + 4, true);
-    contacts.objectA[i] = view.getUint16(from + 8, true);
-    contacts.objectB[i] = view.getUint16(from + 10, true);
-    contacts.toi[i] = view.getFloat32(from + 12, true);
-    contacts.u[i] = view.getUint16(from + 16, true) / 65535;
-    contacts.v[i] = view.getUint16(from + 18, true) / 65535;
-    for (let k = 0; k < 3; k++) {
-      contacts.normal[3 * i + k] = view.getInt8(from + 20 + k) / 127;
-    }
-    const flags = view.getUint8(from + 23);
-    contacts.kind[i] = flags >> KIND_SHIFT;
-    contacts.flags[i] = flags & ((1 << KIND_SHIFT) - 1);
-  }
-  return contacts;
+  const toi = column(Float64Array);
+  const params = column(Float32Array, 2);
+  const made = {
+    count, toi,
+    u: params.filter((_, i) => i % 2 === 0),
+    v: params.filter((_, i) => i % 2 === 1),
+    featureA: column(Uint32Array),
+    featureB: column(Uint32Array),
+    objectA: column(Uint16Array),
+    objectB: column(Uint16Array),
+    normal: Float32Array.from(column(Int8Array, 3), (part) => part / 127),
+  };
+  const flags = column(Uint8Array);
+  return { ...made, kind: flags.map((its) => its >> KIND_SHIFT), flags: flags.map((its) => its & ((1 << KIND_SHIFT) - 1)) };
 }
 
 /** Records of a question about what is near, as contacts whose time is their part of the greatest
@@ -298,6 +287,10 @@ export function readData() {
   if (!("DecompressionStream" in window)) {
     throw new Error("This browser is too old to unpack the page: Chrome 80, Firefox 113 and Safari 16.4 can, and later ones.");
   }
+  meta.steps.forEach((step, index) => {
+    step.index = index;
+  });
+  const all = [...meta.steps, ...meta.left_out].sort((a, b) => a.number - b.number);
   const blob = makeCache(unpack, BLOBS_KEPT);
   const meshes = new Map();
 
@@ -365,6 +358,9 @@ export function readData() {
   const steps = new Map(); // that were loaded last, the oldest first
   return {
     meta,
+    /** What is told of every step that was played, in order; those whose drawing was left out have
+     * no `index`, and first_pair in the place of contacts. */
+    all,
     /** Make a step ready to be asked for. */
     async load(index) {
       const step = steps.get(index) ?? await readStep(index);

@@ -9,7 +9,7 @@ import { byId, oncePerFrame, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
 import { featuresOf } from "./marks.js";
-import { makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, makeWhole, recordText } from "./panels.js";
+import { makeAbsent, makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, makeWhole, recordText } from "./panels.js";
 import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
 import { makeTimeline } from "./timeline.js";
@@ -141,7 +141,8 @@ function makeCaption(data, state) {
     const step = data.step(index);
     const measure = measureOf(step);
     const greatest = step.near ? step.contacts.greatest : 1;
-    const isBusiest = data.meta.steps.length > 1 && index === busiestOf(data) && step.answer.total > 0;
+    const isBusiest = data.all.length > 1 && index === busiestOf(data) && step.answer.total > 0
+      && data.all.every(({ answer }) => answer.total <= step.answer.total);
     const which = `${step.near ? "question" : "step"} ${step.number}${isBusiest ? `, with the most ${nounOf(step)[1]}` : ""}`;
     byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t)}`;
     byId("scale-box").hidden = measure === null || picked.length === 0 || greatest === 0;
@@ -197,7 +198,7 @@ async function start() {
   const busiest = busiestOf(data);
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
   const first = {
-    index: busiest, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi", find: "", pair: "",
+    index: busiest, absent: null, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi", find: "", pair: "",
     camera: "", picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
     wires: triangles <= WIRES_MAX, opacity: 1, up: data.meta.up, engine: false, theme: "",
   };
@@ -233,6 +234,9 @@ async function start() {
   });
   const does = {
     goTo,
+    /** Go to one of data.all, or say that it is not drawn. */
+    show: (step) => (step.index === undefined ? state.set({ absent: step.number, playing: false })
+      : goTo(step.index, { playing: false })),
     fit() {
       const { index, up, thick } = state.values;
       view?.setExtent(data.step(index), up, thick);
@@ -258,11 +262,12 @@ async function start() {
   }
   makeHierarchy(data, state, view);
   makeAnswer(data, state);
-  makeWhole(data, goTo);
+  makeWhole(data, does.show);
+  makeAbsent(data, state);
   makeDetail(data, state, does);
   makeObjectList(data, state);
   makeCounters(data, state);
-  makeTimeline(data, state, goTo);
+  makeTimeline(data, state, does.show);
   makeLanes(data, state);
   makeTransport(data, state, goTo);
   makeCaption(data, state);

@@ -3,11 +3,11 @@
 
 import { TREES } from "./boxes.js";
 import { PHASES, colourOfObject, cssOf, nameOfColour } from "./colours.js";
-import { KINDS, contactAt } from "./data.js";
+import { FEATURES, KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
-import { digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
+import { INCOMPLETE, absentTexts, digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -15,35 +15,56 @@ function chip(text, title, className = "") {
   return element("span", { className: `chip ${className}`, title }, text);
 }
 
-export function makeHead({ meta }) {
+const isComplete = ({ status, incomplete }) => status === "OK" && !INCOMPLETE[incomplete];
+
+/** Whether answers are complete and proved, as check says it: [text, title, class] of a chip. */
+function completeness(all) {
+  const cut = all.filter(({ answer }) => !isComplete(answer));
+  const possible = all.reduce((sum, { answer: { mode, verdict, possible: its } }) => sum + its + (mode === "any" && verdict === 1 ? 1 : 0), 0);
+  const isTimed = all.some(({ near, answer }) => !near && answer.mode !== "pairs");
+  return cut.length > 0 ? [`${plural(cut.length, "answer is", "answers are")} incomplete`,
+    cut.map(({ number, answer }) => `step ${number}: ${INCOMPLETE[answer.incomplete] || answer.status}`).slice(0, 10).join("; "), "warn"]
+    : possible > 0 ? [`complete, ${count(possible)} not proved`, "every answer is complete; so many contacts are only possible", "warn"]
+      : [`✓ complete${isTimed ? ", all proved" : ""}`, `every answer is complete${isTimed ? ", and no contact is only possible" : ""}`, "good"];
+}
+
+/** How the answers compare with those that were recorded: arguments of chips. */
+function comparisons(all, isOfFiles) {
+  const of = (value) => all.filter(({ recorded }) => recorded === value);
+  const [same, other, cut] = ["same", "other", "incomplete"].map(of);
+  const every = plural(all.length, "answer", "answers");
+  const reasons = new Set(cut.map((step) => INCOMPLETE[step.recorded_incomplete]));
+  return [
+    ...(other.length > 0 ? [[plural(other.length, "answer differs", "answers differ"),
+      isOfFiles ? "when it is computed again" : "from those that were recorded", "bad"]] : []),
+    ...(cut.length > 0 ? [[`${count(cut.length)} of ${every} ${cut.length === 1 ? "was" : "were"} incomplete when recorded`,
+      `${[...reasons].join(", ")}: the page shows them computed to their end, which the program was not told`, "warn"]] : []),
+    ...(other.length > 0 || isOfFiles ? []
+      : same.length === all.length ? [["✓ answers as recorded", "every hash is the recorded one", "good"]]
+        : same.length > 0 ? [[`${count(same.length)} of ${every} as recorded`, "of the others nothing recorded can be compared", ""]]
+          : [["not compared", "the recording holds no answers to compare with", "warn"]]),
+  ];
+}
+
+export function makeHead({ meta, all }) {
   const { recording, steps } = meta;
   const when = new Date(recording.unix_ms);
-  const differ = steps.filter(({ recorded }) => recorded === "other").length;
-  const compared = steps.filter(({ recorded }) => recorded !== "none").length;
   document.title = `${recording.name} · pccd inspect`;
   byId("name").textContent = recording.name;
   const chips = [
     chip(`${count(steps.length)} of ${plural(recording.steps, "step", "steps")}`,
-      meta.is_full ? "The page was full: see --every, --steps and --max-size"
-        : meta.every > 1 ? `One in ${meta.every}, as --every or --max-size ask` : "in this page, and recorded",
+      meta.is_full ? `The page was full: nothing is known here of what comes after step ${all.at(-1).number}. See --every, --steps and --max-size`
+        : meta.every > 1 ? `One in ${meta.every} is drawn, as --every or --max-size ask; bars, the first and the most are of all ${count(all.length)} that were played`
+          : "in this page, and recorded",
       meta.is_full ? "warn" : ""),
     chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), meta.is_of_files ? "computed from the files, UTC" : "recorded, UTC"),
     chip(`libpccd ${recording.library}`, "that recorded"),
     chip(recording.cpu || "?", "instruction set of the daemon that answered then"),
+    ...(recording.is_whole ? [] : [chip("cut short", "the recording has no end", "warn")]),
+    ...(meta.is_rounded ? [chip("16-bit positions", "written with --round")] : []),
+    chip(...completeness(all)),
+    ...comparisons(all, meta.is_of_files).map((texts) => chip(...texts)),
   ];
-  if (!recording.is_whole) {
-    chips.push(chip("cut short", "the recording has no end", "warn"));
-  }
-  if (meta.is_rounded) {
-    chips.push(chip("16-bit positions", "written with --round"));
-  }
-  if (differ > 0) {
-    chips.push(chip(plural(differ, "answer differs", "answers differ"),
-      meta.is_of_files ? "when it is computed again" : "from those that were recorded", "bad"));
-  } else if (!meta.is_of_files) {
-    chips.push(compared > 0 ? chip("✓ answers as recorded", "every hash is the recorded one", "good")
-      : chip("not compared", "the recording holds no answers to compare with", "warn"));
-  }
   byId("chips").replaceChildren(...chips);
 }
 
@@ -79,6 +100,16 @@ function thickFacts({ answer, separation, approach }) {
   ];
 }
 
+/** Whether the recorded answer was complete, and this one, unless a chip says it of `all`. */
+function doneFacts({ answer, near, recorded, recorded_incomplete: reason }, all) {
+  const isTold = all.every((one) => isComplete(one.answer) && one.answer.possible === 0 && one.recorded !== "incomplete");
+  const isTimed = !near && answer.mode !== "pairs";
+  return [
+    ...(recorded === "incomplete" ? [plainFact("as recorded", "incomplete", `${INCOMPLETE[reason]}; the page shows the answer computed to its end`)] : []),
+    ...(!isTold && isComplete(answer) && answer.possible === 0 ? [fact("answer", `complete${isTimed && answer.verdict !== 1 ? ", all proved" : ""}`)] : []),
+  ];
+}
+
 /** What is worth a line of a step's answer, beside its sentence. */
 function stepFacts({ answer, turns }) {
   const isTimed = !["pairs", "any"].includes(answer.mode);
@@ -93,15 +124,14 @@ function stepFacts({ answer, turns }) {
 
 /** What the step was answered: for everybody, and, folded, for those who look at the engine. */
 export function makeAnswer(data, state) {
-  const { steps } = data.meta;
   state.on(["index"], ({ index }) => {
     const step = data.step(index);
     const { answer } = step;
-    const [before, total, behind] = sentenceOf(step, steps[steps.length - 1].number);
+    const [before, total, behind] = sentenceOf(step, data.all.at(-1).number);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
     byId("records-head").textContent = headOf(step);
-    byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step));
+    byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
     byId("engine-facts").replaceChildren(
       ...(step.near ? [] : [fact("mode", answer.mode)]),
       fact("method", `${answer.method}, ${answer.threads} thread${answer.threads === 1 ? "" : "s"}`),
@@ -111,8 +141,8 @@ export function makeAnswer(data, state) {
     const hash = byId("hash");
     hash.textContent = answer.hash;
     const known = data.meta.is_of_files ? "hash of the first time" : "recorded hash";
-    hash.title = { same: `the ${known}`, other: `not the ${known}`, none: "nothing to compare with" }[step.recorded];
-    hash.className = { same: "good", other: "bad", none: "" }[step.recorded];
+    hash.title = { same: `the ${known}`, other: `not the ${known}`, incomplete: "the recorded answer was incomplete", none: "nothing to compare with" }[step.recorded];
+    hash.className = { same: "good", other: "bad", incomplete: "", none: "" }[step.recorded];
     const parts = partsOf(answer);
     byId("phases").replaceChildren(...parts.filter(([, ns]) => ns > 0).map(([name, ns]) => {
       const part = element("i", { title: `${name}: ${duration(ns)}` });
@@ -128,48 +158,68 @@ export function makeAnswer(data, state) {
   });
 }
 
-/** What is worth knowing of all steps of the page, in a sentence whose steps one can go to. */
-export function makeWhole({ meta }, goTo) {
-  const steps = meta.steps.map(({ near, answer, number }, index) => ({ near, answer, number, index }))
-    .filter(({ near, answer }) => !near && answer.mode !== "pairs");
+/** What is worth knowing of all steps that were played, in a sentence whose steps one can go to. */
+export function makeWhole({ meta, all }, show) {
+  const steps = all.filter(({ near, answer }) => !near && answer.mode !== "pairs");
   const meeting = steps.filter(({ answer }) => (answer.mode === "any" ? answer.verdict > 0 : answer.total > 0));
   const crossed = steps.filter(({ answer }) => answer.crossings > 0);
-  const greatest = (measure) => steps.reduce((most, step) => (measure(step.answer) > measure(most.answer) ? step : most), steps[0]);
-  const go = ({ number, index }) => {
-    const button = element("button", { title: `Go to step ${number}` }, `step ${number}`);
-    button.addEventListener("click", () => goTo(index, { playing: false }));
+  const greatest = (among, measure) => among.reduce((most, step) => (measure(step.answer) > measure(most.answer) ? step : most));
+  const go = (step) => {
+    const button = element("button", { title: `Go to step ${step.number}` }, `step ${step.number}`);
+    button.addEventListener("click", () => show(step));
     return button;
   };
   byId("whole").hidden = steps.length < 2;
   if (steps.length < 2) {
     return;
   }
-  const most = greatest(({ total }) => total);
-  const slowest = greatest(({ times }) => times.step);
+  const most = greatest(steps, ({ total }) => total);
+  const slowest = greatest(steps.slice(1), ({ times }) => times.step);
+  const isPart = all.length < meta.recording.steps;
   byId("whole").replaceChildren(
-    `In ${count(meeting.length)} of ${count(steps.length)} steps something meets`,
+    `In ${count(meeting.length)} of ${count(steps.length)} steps${isPart ? ` (${steps[0].number} to ${steps.at(-1).number})` : ""} something meets`,
     ...(meeting.length > 0 ? [", first in ", go(meeting[0])] : []),
     ...(most.answer.total > 0 ? [", most in ", go(most), ` (${count(most.answer.total)})`] : []),
     ...(crossed.length > 0 ? [`; ${plural(crossed.length, "step begins", "steps begin")} with an intersection, the first is `, go(crossed[0])] : []),
-    "; the slowest is ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`,
+    "; when this page was written, the slowest after the first was ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`,
   );
+}
+
+/** What is said in the place of a step that was asked for and is not drawn. */
+export function makeAbsent(data, state) {
+  state.on(["absent"], ({ absent }) => {
+    byId("absent").hidden = absent === null;
+    if (absent !== null) {
+      const [text, command] = absentTexts(data, absent);
+      byId("absent").replaceChildren(`${text} `, ...(command ? [element("code", {}, command)] : []));
+    }
+  });
+}
+
+const FLOAT_PART = 2 ** -22; // of the size of a scene: what is less is the rounding of its floats
+const ROUND_PART = 2 ** -16; // the same of positions in 16 bits
+
+/** Where record `i` is, in the recording's own coordinates: at most so many digits of each, and none
+ * that the page's positions do not have. */
+function placeOf(step, i, { origin, unit, is_rounded: isRounded }, most) {
+  step.size ??= step.objects.reduce((greatest, { x1 }) => x1.reduce((its, x) => Math.max(its, Math.abs(x)), greatest), 0);
+  const least = Math.ceil(Math.log10((isRounded ? ROUND_PART : FLOAT_PART) * step.size * unit));
+  return contactAt(step, i, step.near ? 0 : step.contacts.toi[i]).map((at, k) => {
+    const x = at * unit + origin[k];
+    const known = Math.min(most, Math.floor(Math.log10(Math.abs(x))) - least + 1);
+    return known > 0 ? Number(x.toPrecision(known)) : 0;
+  });
 }
 
 /** "(0.1, 0.2, 0.3)" */
 const pointText = (x) => `(${x.map(digits).join(", ")})`;
 
-const FLOAT_PART = 2 ** -22; // of the size of a scene: what is less is the rounding of its floats
-
-/** Where record `i` is, in the recording's own coordinates. */
-function placeText(step, i, { origin, unit }) {
-  step.size ??= step.objects.reduce((most, { x1 }) => x1.reduce((its, x) => Math.max(its, Math.abs(x)), most), 0);
-  const at = contactAt(step, i, step.near ? 0 : step.contacts.toi[i]).map((x, k) => x * unit + origin[k]);
-  return pointText(at.map((x) => (Math.abs(x) > FLOAT_PART * step.size * unit ? x : 0)));
-}
+/** Of a 127th. */
+const normalOf = ({ contacts }, i) => [0, 1, 2].map((k) => Number(contacts.normal[3 * i + k].toFixed(2)));
 
 /** What is known of a record: [name, text]. */
 function recordFacts(step, i, meta) {
-  const normal = [0, 1, 2].map((k) => step.contacts.normal[3 * i + k]);
+  const normal = normalOf(step, i);
   const apart = apartOf(step, i) * meta.unit;
   const measure = measureOf(step);
   const flag = flagText(step, i);
@@ -177,22 +227,32 @@ function recordFacts(step, i, meta) {
     ...(isOfBounds(step) ? [["vertex", featureText(step, i, "a")]]
       : [["kind", KINDS[step.contacts.kind[i]].name], ["first", featureText(step, i, "a")], ["second", featureText(step, i, "b")]]),
     ...(measure?.name === "time" ? [["time", `t = ${digits(measure.of(i))}`]] : []),
-    ...(measure ? [["place", placeText(step, i, meta)]] : []),
-    ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal.map((x) => Number(x.toFixed(2))))]] : []), // a 127th
+    ...(measure ? [["place", pointText(placeOf(step, i, meta, 4))]] : []),
+    ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
     ...(measure && (step.near || apart > 0) ? [[isOfBounds(step) ? "bound" : "distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
     ...(measure?.name === "time" ? [["drawn by", renderText(step, i, meta)]] : []),
   ];
 }
 
-/** A record in a sentence, for a mail: "step 3: vertex 3 of cloth meets face 12 of ball at ...". */
+/** A record as a line of JSON, by the names of check --json, with all digits that the page has. */
 export function recordText(step, i, meta) {
-  const facts = Object.fromEntries(recordFacts(step, i, meta));
-  const details = ["time", "place", "normal", "distance", "bound"].filter((name) => facts[name])
-    .map((name) => (name === "time" ? facts.time : `${name} ${facts[name]}`));
-  const features = facts.vertex ?? `${facts.first} ${measureOf(step)?.name === "time" ? "meets" : "and"} ${facts.second}`;
-  return `${step.near ? "question" : "step"} ${step.number}: ${features}`
-    + `${details.length > 0 ? ` at ${details.join(", ")}` : ""}${facts.begins ? ` (${facts.begins})` : ""}`;
+  const { contacts, number, near } = step;
+  const kind = KINDS[contacts.kind[i]];
+  const side = (its) => {
+    const { object, points, feature, vertices } = sideOf(step, i, its);
+    return { object: step.objects[object].name, [FEATURES[points]]: points === 2 && vertices.length > 0 ? vertices : feature };
+  };
+  const measure = measureOf(step);
+  const apart = apartOf(step, i) * meta.unit;
+  const normal = normalOf(step, i);
+  return JSON.stringify({
+    [near ? "question" : "step"]: number, record: i + 1,
+    ...(isOfBounds(step) ? side("a") : { kind: kind.id, ...(measure?.name === "time" ? { toi: contacts.toi[i] } : {}), a: side("a"), b: side("b") }),
+    ...(measure ? { at: placeOf(step, i, meta, 17) } : {}),
+    ...(normal.some((x) => x !== 0) ? { normal } : {}),
+    ...(measure && (near || apart > 0) ? { [isOfBounds(step) ? "bound" : "distance"]: near ? measure.of(i) : apart } : {}),
+  });
 }
 
 /** In which colour of style.css the view draws what a fact names; undefined: it does not. */

@@ -17,12 +17,13 @@ const restOf = ({ times }) =>
   Math.max(0, times.step - PHASES.reduce((sum, phase) => sum + times[phase], 0));
 
 /** [name, nanoseconds] of the parts of a step in their order. */
-export const partsOf = (answer) =>
-  [...PHASES.map((phase) => [phase, answer.times[phase]]), ["other", restOf(answer)]];
+export const partsOf = (answer) => (answer.times.refit === undefined ? [["other", answer.times.step]] // its drawing was left out
+  : [...PHASES.map((phase) => [phase, answer.times[phase]]), ["other", restOf(answer)]]);
 
-export function makeTimeline(data, state, goTo) {
+/** `show`: go to one of data.all. */
+export function makeTimeline(data, state, show) {
   const canvas = byId("timeline");
-  const { steps } = data.meta;
+  const steps = data.all;
   const highest = Math.max(1, ...steps.map(({ answer }) => answer.times.step));
   const most = Math.max(1, ...steps.map(({ answer }) => answer.total));
   let hover = -1;
@@ -51,7 +52,7 @@ export function makeTimeline(data, state, goTo) {
     const gap = bar > 4 ? Math.min(3, bar * 0.2) : 0;
     const { engine } = state.values;
     steps.forEach(({ answer }, i) => {
-      const isShown = i === state.values.index;
+      const isShown = steps[i].index === state.values.index;
       let bottom = height;
       if (isShown || i === hover) {
         context.fillStyle = colourOf(isShown ? "chosen" : "hover");
@@ -82,22 +83,22 @@ export function makeTimeline(data, state, goTo) {
     context.fillStyle = colourOf("faint");
     context.fillText(`${engine ? "— " : ""}found in each step, at most ${count(most)}`, width - 4, 11);
     context.fillStyle = colourOf("accent");
-    context.fillRect(state.values.index * bar, 0, Math.max(bar, 2), 2);
+    context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });
 
   canvas.addEventListener("pointermove", (event) => {
     hover = indexAt(event);
-    const { number, answer } = steps[hover];
-    showTip(event, `step ${number}: ${count(answer.total)} found`, state.values.engine
+    const { number, answer, index } = steps[hover];
+    showTip(event, `step ${number}: ${count(answer.total)} found${index === undefined ? ", not drawn" : ""}`, state.values.engine
       ? [`in ${duration(answer.times.step)}`, ...partsOf(answer).map(([name, ns]) => `${name}  ${duration(ns)}`)] : []);
     if (event.buttons & 1) {
-      goTo(hover, { playing: false });
+      show(steps[hover]);
     }
     draw();
   });
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
-    goTo(indexAt(event), { playing: false });
+    show(steps[indexAt(event)]);
   });
   canvas.addEventListener("pointerleave", () => {
     hover = -1;

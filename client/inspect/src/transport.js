@@ -19,7 +19,7 @@ export function makeGoTo(data, state) {
       if (wanted === next) {
         wanted = null;
       }
-      state.set({ index: next.index, ...next.changes });
+      state.set({ index: next.index, absent: null, ...next.changes });
     }
   };
 }

@@ -3,7 +3,9 @@
 import { FEATURES, INITIAL, INSIDE, KINDS, verticesOf } from "./data.js";
 import { count, plural } from "./dom.js";
 
-const INCOMPLETE = ["", "", "the deadline passed", "it was cancelled", "there are more than the daemon keeps"];
+/** Why an answer is not complete, by enum pccd_incomplete; "": it is. */
+export const INCOMPLETE = ["", "", "the deadline passed", "it was cancelled", "there are more than the daemon keeps",
+  "some pairs of what turns are not known"];
 
 /** A number, to four significant digits: 0.0283, 7.492e-6. */
 export function digits(value) {
@@ -104,15 +106,31 @@ export function firstOf(step) {
     : toi.reduce((first, its, i) => (first < 0 || its < toi[first] ? i : first), -1);
 }
 
-/** The place of the first step of a page that has a contact with a time; -1: none has. */
-export const firstStepOf = ({ meta: { steps } }) =>
-  steps.findIndex(({ near, answer }) => !near && answer.toi_first !== null);
+/** Of all steps that were played, the first that has a contact with a time; undefined: none has. */
+export const firstStepOf = ({ all }) => all.find(({ near, answer }) => !near && answer.toi_first !== null);
 
-/** The command that draws a record of a step; files that were given are not known by their places. */
-export function renderText({ number }, i, meta) {
-  const { name } = meta.recording;
-  const file = meta.is_of_files ? "FILES" : /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
-  return `pccdctl render ${file} --steps ${number} --at 'contact ${i + 1}'`;
+/** The file of a page in a command; files that were given are not known by their places. */
+function fileText({ recording: { name }, is_of_files: isOfFiles }) {
+  return isOfFiles ? "FILES" : /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
+}
+
+/** The command that draws a record of a step. */
+export const renderText = ({ number }, i, meta) =>
+  `pccdctl render ${fileText(meta)} --steps ${number} --at 'contact ${i + 1}'`;
+
+/** What is known of a step that cannot be gone to, and the command that makes a page of it; no
+ * command: there is no such step. */
+export function absentTexts({ meta, all }, number) {
+  const step = all.find((one) => one.number === number);
+  if (!step) {
+    return [`This page knows no step ${number}: its steps are ${all[0].number} to ${all.at(-1).number}.`, ""];
+  }
+  const { near, answer: { mode, total, verdict, toi_first: first }, first_pair: pair } = step;
+  const found = near ? plural(total, "record", "records") : mode === "any" ? ["nothing meets", "something may meet", "something meets", "what meets is not known"][verdict]
+    : mode === "pairs" ? plural(total, "pair that may meet", "pairs that may meet")
+      : `${plural(total, "contact", "contacts")}${first === null ? "" : `, the first at t = ${digits(first)}${pair ? `: ${pair}` : ""}`}`;
+  return [`The drawing of ${near ? "question" : "step"} ${number} was left out: the page has one step in ${meta.every}. Known of it: ${found}. `
+    + "This writes a page with it:", `pccdctl inspect ${fileText(meta)} --steps ${number} -o step-${number}.html`];
 }
 
 /** What the records of a step are called: [one, many]. */
@@ -127,7 +145,7 @@ export function sentenceOf(step, last) {
   const cut = answer.status !== "OK" ? `: ${answer.status}`
     : INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
   if (!near && answer.mode === "any") {
-    return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does"][answer.verdict]}${startText(step, answer.verdict === 0)}${cut}`];
+    return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does", "that is not known"][answer.verdict]}${startText(step, answer.verdict === 0)}${cut}`];
   }
   const [one, many] = nounOf(step);
   const asked = { first: ", the earliest; later ones were not asked for", "first-per-pair": "; of each two objects only their first was asked for" }[answer.mode] ?? "";
