@@ -331,6 +331,13 @@ class Opened(InBrowser):
         self.assertFalse(self.is_seen("lanes"))
         self.browser.click("#engine summary")
         self.browser.frames(3)
+        self.assertEqual(self.facts("engine-facts")["times"],
+                         "when this page was written")
+        self.browser.run("""
+            const [step] = pccd.data.meta.steps;
+            step.answer.times.step = 3 * step.events.ns;""")
+        self.set("step", 0)
+        self.assertIn("threads were recorded for ", self.text("lanes-lost"))
         self.assertGreaterEqual(self.value("lanes"), 1)
         self.assertGreater(self.browser.run(COLOURS, "lanes"), 5)
         self.assertGreater(self.browser.run(COLOURS, "timeline"), 5)

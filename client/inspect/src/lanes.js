@@ -10,6 +10,7 @@ const RULER = 16;
 const LABEL = 62;
 const ZOOM_MAX = 500;
 const STEP_KIND = 0;
+const SHARE_MIN = 0.9; // of a step: where less was recorded, it is said
 const SAYS = { // what an event's two numbers are, by kind
   2: ["node", "triangles"], 3: ["node", "triangles"], 4: ["node", "other node"],
   5: ["node", "pairs"], 6: ["kind", "candidates"], 7: ["node", "triangles"], 8: ["node", "triangles"],
@@ -161,7 +162,11 @@ export function makeLanes(data, state) {
     canvas.hidden = read.length === 0;
     none.textContent = data.meta.no_lanes
       ? `Threads were not recorded: ${data.meta.no_lanes}` : "Threads were not recorded at this step.";
-    byId("lanes-lost").textContent = events?.lost > 0 ? `${count(events.lost)} events had no room` : "";
+    const { step: took } = data.meta.steps[index].answer.times;
+    byId("lanes-lost").textContent = [
+      ...(read.length > 0 && total < SHARE_MIN * took ? [`threads were recorded for ${duration(total)} of ${duration(took)}`] : []),
+      ...(events?.lost > 0 ? [`${count(events.lost)} events had no room`] : []),
+    ].join("; ");
     state.set({ lanes: lanes.filter((lane) => lane.events.length > 0).length });
     draw();
   });

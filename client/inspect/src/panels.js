@@ -135,6 +135,7 @@ export function makeAnswer(data, state) {
     byId("engine-facts").replaceChildren(
       ...(step.near ? [] : [fact("mode", answer.mode)]),
       fact("method", `${answer.method}, ${answer.threads} thread${answer.threads === 1 ? "" : "s"}`),
+      fact("times", "when this page was written", "of the repeat by that daemon, not of the program that asked first"),
       fact("step", duration(answer.times.step)),
       fact("queue", duration(answer.times.queue), "from arrival to the compute thread"),
     );
