@@ -268,7 +268,8 @@ CASE_DAEMON(replace__without_memory_changes_nothing, "--memory-max-mib", "24")
     assert_non_null(triangles);
     test_grid_positions(&large, 1);
     /* 61 objects of 12482 triangles would take 0.7 MB each. */
-    for (int i = 0; i < 2; i++) {
+    /* What is kept from step to step may grow twice, with what there was room for. */
+    for (int i = 0; i < 3; i++) {
         uint64_t before = test_stat(client, "engine_bytes_now");
         assert_int_equal(pccd_mesh_replace(client, grid.mesh, large.x, PCCD_FORMAT_F32,
                                            large.vertex_count,
@@ -278,7 +279,7 @@ CASE_DAEMON(replace__without_memory_changes_nothing, "--memory-max-mib", "24")
         assert_non_null(strstr(pccd_error_text(client), "engine's memory"));
         test_grid_pass(&grid);
         assert_true(test_stat(client, "engine_bytes_now") <= 24u << 20);
-        if (i > 0) {
+        if (i > 1) {
             assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
         }
     }
