@@ -306,10 +306,23 @@ jams --json --joint q=-90deg:0 round.urdf && holds jams q -1.1592794807274085 1e
     awk '{ exit !($1 < -1.1592795 && $1 > -1.1605) }' got
 report "spheres, capsules and cylinders are as thick as they are"
 
-# Otherwise what passes through another part from the begin, or is wholly within it, would be free.
 within() { printf '%s' "<robot name=\"w\"><link name=\"wall\"><collision><geometry>$1</geometry>
     </collision></link><link name=\"bar\">$(solid "$2")</link><joint name=\"q\" type=\"continuous\">
     <parent link=\"wall\"/><child link=\"bar\"/></joint></robot>" >within.urdf; }
+
+# Otherwise a clearance would take the place of the radius that is the shape, and what meets the
+# ball would be called free. With 0.1 between them they jam where cos q = 0.3.
+for shape in sphere 'capsule length="1"'; do
+    round "<$shape radius=\"0.1\"/>" '0 0 0'
+    jams --json --joint q=-90deg:0 --clearance wall,ball=0 round.urdf &&
+        holds jams q -1.1592794807274085 1e-6 &&
+        jams --json --joint q=-90deg:0 --clearance ball,wall=0.1 round.urdf &&
+        holds jams q -1.2661036727794992 1e-6 || break
+done && within '<sphere radius="9"/>' '<box size="1 1 1"/>' &&
+    jams --clearance wall,bar=0 within.urdf
+report "a clearance is beside the radius of a sphere or capsule, not in its place"
+
+# Otherwise what passes through another part from the begin, or is wholly within it, would be free.
 within '<box size="9 9 9"/>' '<box size="1 1 1"/>' && jams within.urdf &&
     says 'wall and bar, from the begin, where they meet already' &&
     within '<cylinder radius="8" length="9"/>' '<box size="1 1 1"/>' && jams within.urdf &&

@@ -108,8 +108,8 @@ static const struct option_row rows[] = {
      OPTION_TEXT, .at = AT(edges)},
     {"clearance", 0, "[A,B=]D",
      "Parts may not come nearer to each other than D (default: 0); or these two, in the "
-     "place of that and of their radii: at 0 they may touch, as a pin its hole, and may "
-     "not pass through each other. May be repeated",
+     "place of that and of their thickness. At 0 these two may be as near as they like, as "
+     "a pin in its hole, and may not pass through each other. May be repeated",
      OPTION_OWN, .at = AT(clearances), .take = take_clearance},
     {"allow", 0, "A,B",
      "These two parts may meet, as those do that touch by design; may be repeated",

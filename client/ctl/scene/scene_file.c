@@ -66,7 +66,8 @@ static const struct member scene_members[] = {
     {"ignore", PAIRS, 0, 0, "Names of two objects each that do not meet"},
     {"clearance", CLEARANCES, 0, LENGTH_MAX,
      "Names of two objects each, and a distance that they keep in the place of their "
-     "radii: at 0 they may touch, and may not pass through each other"},
+     "thickness: at 0 they may be as near as they like, and may not pass through each "
+     "other"},
     {"joints", JOINTS, 0, 0, "How objects move, for pccdctl sweep"},
     {0}};
 

@@ -1,4 +1,5 @@
 /* sweep_ask.c - a mechanism in a daemon, and what meets in one of its motions. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,14 +40,24 @@ static int put_shape(struct sweep *sweep, struct robot_shape *shape)
                              : status;
 }
 
+/* Return the radius that is part of the distance a shape keeps: a clearance takes the place
+ * of an object's thickness, but the radius of a sphere or capsule is its shape. */
+static double radius_of(const struct robot_shape *shape, bool has_clearance)
+{
+    bool is_round = shape->form == ROBOT_SPHERE || shape->form == ROBOT_CAPSULE;
+    return is_round || !has_clearance ? shape->settings.radius : 0;
+}
+
 /* Return the distance that two shapes keep, of which neither may be ignored. */
 static double clearance_of(const struct sweep *sweep, const struct robot_shape *a,
                            const struct robot_shape *b)
 {
-    double clearance = robot_clearance(sweep->robot, a->part, b->part);
-    return clearance == ROBOT_PLAIN
-               ? a->settings.radius + b->settings.radius + sweep->clearance
-               : clearance;
+    double said = robot_clearance(sweep->robot, a->part, b->part);
+    bool has_own = said != ROBOT_PLAIN;
+    double radii = radius_of(a, has_own) + radius_of(b, has_own);
+    double distance = (has_own ? said : sweep->clearance) + radii;
+    /* Rounding may not make it less. */
+    return radii > 0 ? distance * (1 + 4 * DBL_EPSILON) : distance;
 }
 
 /* Say how near two shapes may come. If any two have a clearance of their own, each pair
