@@ -427,6 +427,8 @@ int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings 
 static int copy(struct pccd_batch *batch, const void *const *x0, const void *const *x1)
 {
     uint8_t *payload = cli_slot_payload(&batch->client->ring, batch->slot);
+    const void *table = NULL; /* of joints that was copied last, */
+    uint64_t table_at = 0;    /* and where: one of each scene that has joints */
 
     for (uint32_t i = 0; i < batch->part_count; i++) {
         const struct proto_segment *segment = segment_of(batch, i);
@@ -442,9 +444,20 @@ static int copy(struct pccd_batch *batch, const void *const *x0, const void *con
         if (segment->kind == PROTO_SEGMENT_TURNING) {
             struct proto_joints head;
             uint8_t *to = payload + segment->offset0;
+            size_t bytes;
 
             memcpy(&head, to, sizeof head);
-            memcpy(to + sizeof head, x1[i], head.count * sizeof(struct pccd_joint));
+            bytes = head.count * sizeof(struct pccd_joint);
+            if (segment->offset0 != table_at) {
+                memcpy(to + sizeof head, x1[i], bytes);
+                table = x1[i];
+                table_at = segment->offset0;
+            } else if (x1[i] != table && memcmp(x1[i], table, bytes) != 0) {
+                return cli_fail(batch->client, PCCD_E_INVAL,
+                                "part %u: its table of joints differs from one "
+                                "before; a scene has one table",
+                                i);
+            }
         } else {
             cli_segment_write(payload, segment, start, x1[i]);
         }

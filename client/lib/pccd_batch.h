@@ -140,7 +140,8 @@ int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings 
 void pccd_batch_abort(struct pccd_batch *batch);
 
 /* Begin, copy and commit in one: x0 and x1 [part], as above; x0 may be NULL if no part
- * has both ends. The arrays may change as soon as it returns. */
+ * has both ends. The arrays may change as soon as it returns. E_INVAL: also parts of one
+ * scene whose tables of joints differ. */
 int pccd_batch_submit(struct pccd_batch *batch, const void *const *x0,
                       const void *const *x1, const struct pccd_step_settings *settings,
                       uint64_t *step);

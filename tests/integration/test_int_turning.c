@@ -462,6 +462,34 @@ CASE(turning__of_a_batch_is_that_of_single_steps)
     assert_int_equal(test_recording_repeats("--json", test_recording, 96), 96);
 }
 
+/* If this failed, the table of one part would replace that of another, and an edge that
+ * hits would be called free. */
+CASE(turning__parts_of_one_scene_have_one_table)
+{
+    struct hall hall = {.client = test_client_at(test_shared.url)};
+    struct pccd_batch_answer batched = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_batch *batch = NULL;
+
+    make(&hall);
+    hinge(&hall, 1.5);
+    const struct pccd_batch_part parts[] = {
+        {hall.scene, hall.door, hall.joint_count - 1, QUAD, 0, PCCD_BATCH_TURNING},
+        {hall.scene, hall.post, 0, 3, 0, PCCD_BATCH_TURNING}};
+    struct hall other = hall;
+    const void *x1[] = {hall.joints, other.joints};
+
+    assert_ok(pccd_batch_create_turning(hall.client, parts, 2, &hall.joint_count, 1,
+                                        &batch));
+    assert_ok(pccd_batch_step(batch, NULL, x1, NULL, &batched));
+    assert_int_equal(batched.failed, 0);
+    pccd_batch_release(hall.client, &batched);
+    other.joints[0].to[0] += 1;
+    assert_int_equal(pccd_batch_step(batch, NULL, x1, NULL, &batched), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(hall.client), "part 1: its table of joints"));
+    pccd_batch_destroy(batch);
+    pccd_close(hall.client);
+}
+
 /* ---- misuse ------------------------------------------------------------------------ */
 
 /* If this failed, what the library can see of a mistake would be told later, of another

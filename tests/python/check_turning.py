@@ -108,6 +108,20 @@ class Steps(Case):
         with batch.step([tables[1], tables[0]]) as answer:
             self.assertEqual(answer.scenes["total"].tolist(), [3, 0])
         batch.close()
+        parts.insert(1, pccd.Part(self.scene, self.post, len(POST), 0, way="turning"))
+        batch = self.client.batch(parts, [len(tables[1]), len(tables[0])])
+        with batch.step([tables[1], tables[1].copy(), tables[0]]) as answer:
+            self.assertEqual(answer.failed, 0)
+        for x1, text in (([tables[1], tables[0], tables[0]],
+                          "part 1: its table of joints differs from that of part 0"),
+                         ([tables[1], np.zeros(len(tables[1])), tables[0]],
+                          r"part 1: a table of joints is an array of JOINT.*float64"),
+                         ([tables[1], tables[1], np.zeros(len(tables[0]))],
+                          "part 2: a table of joints .* as joints_screw")):
+            with self.assertRaisesRegex(pccd.PccdError, text) as error:
+                batch.step(x1)
+            self.assertEqual(error.exception.status, pccd.Status.E_INVAL)
+        batch.close()
 
     # If this failed, a frame would do something else than motions.
     def test_frames__turn_as_motions_do(self):

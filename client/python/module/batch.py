@@ -11,7 +11,7 @@ import ctypes
 import sys
 from ctypes import byref
 from dataclasses import dataclass
-from typing import Any, Iterable, List, Optional, Sequence, Union
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -21,7 +21,7 @@ from .abi import BatchWay, Mode, Status
 from .answer import Held
 from .frame import DEFAULT
 from .library import PccdError, lib, one_thread_at_a_time, quick
-from .turning import JOINT
+from .turning import JOINT, joints_of
 from .values import (CONTACT, PAIR, StepSettings, enumerator, format_of, refusal, u32)
 
 SCENE = np.dtype(abi.pccd_scene_answer)
@@ -140,7 +140,8 @@ class Batch:
 
     The parts of one scene stand one behind the other. joint_counts[i]: how many joints
     the table of scene i has, on which parts of way TURNING hang: `first` is the joint,
-    and what they move to is the table, (joint_counts[i],) of JOINT.
+    and what they move to is the table, (joint_counts[i],) of JOINT, the same one for all
+    such parts of the scene.
     """
 
     def __init__(self, client: Any, parts: Iterable[Union[Part, Sequence[Any]]],
@@ -206,9 +207,9 @@ class Batch:
     def begin(self) -> Union[NDArray[Any], List[Any]]:
         """Take a slot, and get where to write end positions, before commit(): one array
         (parts, count, 3) where all parts are alike, of way X1; else a list with an array
-        (count, 3) a part, or two of them, start and end, or two transforms (3, 4), or
-        or the table of its scene, or None of a part that stands still. Never read
-        them."""
+        (count, 3) a part, or two of them, start and end, or two transforms (3, 4), or the
+        table of its scene, the same memory for all its parts that turn, or None of a part
+        that stands still. Never read them."""
         self._check_open()
         self._client._settle()
         self._client._check(lib.pccd_batch_begin(self._handle, self._x0, self._x1))
@@ -257,6 +258,7 @@ class Batch:
             return
         if len(x) != len(places):
             raise refusal(Status.E_INVAL, f"{len(x)} arrays for {len(places)} parts")
+        tables: Dict[int, Tuple[int, Any]] = {}  # of scenes: the part that brought it
         for i, (place, given) in enumerate(zip(places, x)):
             if isinstance(place, tuple):
                 if len(given) != len(place):
@@ -264,8 +266,17 @@ class Batch:
                                   f"part {i}: {len(given)} arrays, not start and end")
                 for end, values in zip(place, given):
                     self._copy(f"part {i}", end, values)
-            elif place is not None:
+            elif place is not None and place.dtype != JOINT:
                 self._copy(f"part {i}", place, given)
+            elif place is not None:
+                part, table = tables.setdefault(place.ctypes.data, (i, given))
+                if part == i:
+                    self._copy(f"part {i}", place, joints_of(f"part {i}", given))
+                elif table is not given and joints_of(f"part {i}", given).tobytes() != \
+                        np.asarray(table).tobytes():
+                    raise refusal(Status.E_INVAL, f"part {i}: its table of joints "
+                                  f"differs from that of part {part}; a scene has one "
+                                  "table")
 
     @staticmethod
     def _copy(name: str, place: NDArray[Any], given: Any) -> None:

@@ -86,13 +86,25 @@ def joints_place(joints: NDArray[Any], joint: int, t: float) -> NDArray[np.float
     return m
 
 
+def joints_of(name: str, given: Any) -> NDArray[Any]:
+    """An array of JOINT: joint values alone do not say what turns, and how."""
+    table = np.asarray(given)
+    if table.dtype != JOINT:
+        raise refusal(Status.E_INVAL, f"{name}: a table of joints is an array of JOINT, "
+                      "as joints_screw, joints_poses and joints_rotation_vector return "
+                      "it, or np.zeros(count, pccd.JOINT) whose fields you set; this is "
+                      f"one of {table.dtype}")
+    return table
+
+
 def table_of(joints: Any) -> NDArray[Any]:
     """A table that the library may read: packed, of JOINT."""
-    if not isinstance(joints, np.ndarray) or joints.dtype != JOINT or joints.ndim != 1 \
-            or not joints.flags.c_contiguous or len(joints) == 0:
+    table = joints_of("joints", joints)
+    if table is not joints or table.ndim != 1 or not table.flags.c_contiguous \
+            or len(table) == 0:
         raise refusal(Status.E_INVAL, "joints: each step reads the array itself, so it "
-                      "must be C-contiguous, of JOINT and of one dimension")
-    return joints
+                      "must be C-contiguous and of one dimension, with a joint at least")
+    return table
 
 
 def _numbers(name: str, given: ArrayLike, count: int) -> Any:
