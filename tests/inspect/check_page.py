@@ -559,7 +559,14 @@ class Opened(InBrowser):
 
     # If it failed, a click on a surface would choose what lies behind it, out of sight.
     def test_click__chooses_nothing_that_a_surface_hides(self):
-        self.assertEqual(self.browser.run(HIDDEN), [-1, True, True])
+        *found, i = self.browser.run(HIDDEN)
+        self.assertEqual(found, [-1, True, True])
+        # Nor is what is chosen drawn there as if nothing hid it.
+        for t, is_behind in ((0, True), (1, False)):
+            self.browser.run("const [chosen, t] = arguments; pccd.state.set({chosen, t})",
+                             i, t)
+            self.browser.frames(4)
+            self.assertEqual(self.browser.run(BEHIND), is_behind)
 
     # If it failed, text over the view, or small and grey text, could not be read; or
     # early contacts not be seen in the dark.
@@ -569,10 +576,12 @@ class Opened(InBrowser):
         texts = ("#caption", "#scale-text", "#fit", "#sentence", "#place", "#find",
                  "#go-next", "#detail dt", "#detail dd", "#kind-vf", "#picked",
                  ".row.head .number", "#contact-rows .row .number", ".fact span",
-                 "#engine summary", ".chip", "#step-slide span")
+                 "#engine summary", ".chip", "#step-text")
         for theme in ("dark", "light"):
             self.browser.dress(theme)
             self.browser.frames(3)
+            self.browser.run("document.getElementById('contacts').scrollTop = 0")
+            self.browser.frames(3)  # its rows are made anew
             for text in texts:
                 with self.subTest(theme=theme, text=text):
                     pixels = self.pixels(text)
@@ -583,6 +592,13 @@ class Opened(InBrowser):
             self.assertApart(self.browser.run("""
                 return [...document.querySelectorAll('#detail dd .dot')].map((one) =>
                   getComputedStyle(one).backgroundColor.match(/\\d+/g).map(Number));"""))
+            words, *phases = self.browser.run("""
+                const style = getComputedStyle(document.documentElement);
+                return ['on-phase', 'phase-refit', 'phase-traversal', 'phase-high',
+                  'phase-tests', 'phase-rebuild', 'phase-wait', 'phase-merge']
+                  .map((name) => style.getPropertyValue(`--${name}`)
+                    .match(/[\\da-f]{2}/g).map((part) => parseInt(part, 16)));""")
+            self.assertGreaterEqual(min(contrast(words, one) for one in phases), 4.5)
             view = self.browser.run("return getComputedStyle("
                                     "document.querySelector('.stage')).backgroundColor")
             behind = [int(part) for part in view[4:-1].split(",")]
@@ -658,7 +674,27 @@ HIDDEN = """
     const pick = (t, opacity) => pccd.view.pick(step,
       {...pccd.state.values, picked: [i], t, opacity}, ...pccd.view.placeOf(step, i, t));
     return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>
-      done([pick(0, 1), pick(0, 0.28) === i, pick(1, 1) === i]))));"""
+      done([pick(0, 1), pick(0, 0.28) === i, pick(1, 1) === i, i]))));"""
+# Whether the ring around what is chosen says that a surface hides it.
+BEHIND = "return document.getElementById('pin').classList.contains('behind')"
+# How far the handle of the step's slider is from the middle of the bar, at both ends.
+AMISS = """
+    const bars = document.getElementById('timeline').getBoundingClientRect();
+    const slider = document.getElementById('step').getBoundingClientRect();
+    const steps = pccd.data.all;
+    const bar = Math.min(128, bars.width / steps.length);
+    return [slider.left + 8 - bars.left - bar / 2,
+      slider.right - 8 - bars.left - (steps.length - 0.5) * bar];"""
+ROWS_SEEN = """
+    const list = document.getElementById('contacts').getBoundingClientRect();
+    const end = Math.min(list.bottom, innerHeight);
+    return [...document.querySelectorAll('#contact-rows .row')].filter((row) =>
+      row.getBoundingClientRect().bottom <= end + 1).length;"""
+# The sizes of all texts in pixels.
+TEXT_SIZES = """
+    return [...document.querySelectorAll('body *')].filter((one) => one.checkVisibility()
+      && [...one.childNodes].some(({nodeType}) => nodeType === 3))
+      .map((one) => parseFloat(getComputedStyle(one).fontSize));"""
 # Colours some pixels above and below the middle of the first contact's dot.
 DOT = """
     const {index, t, picked} = pccd.state.values;
@@ -695,6 +731,8 @@ class Objects(InBrowser):
         sentence = self.text("sentence")
         for name in ("peg", POST):
             self.assertIn(f"between sheet and {name}", sentence)
+        title = "return document.getElementById('sentence').title"
+        self.assertEqual(self.browser.run(title), sentence)  # which may be cut
         self.assertNotIn("recorded", self.text("chips"))  # it was computed
         self.assertTrue(self.facts("detail-facts")["drawn by"].startswith(
             "pccdctl render FILES --steps 1 "))
@@ -738,7 +776,7 @@ class Objects(InBrowser):
     # If it failed, half of the page would be of no use for two frames.
     def test_one_step__has_no_part_that_does_nothing(self):
         self.open(self.objects.page)
-        for name in ("previous", "next", "step-slide", "timeline", "kind-ve", "kind-vv",
+        for name in ("previous", "next", "step", "timeline", "kind-ve", "kind-vv",
                      "kind-ef", "thick", "range-clear"):
             self.assertFalse(self.is_seen(name), name)
         for name in ("play", "time", "find", "pair", "goes", "detail"):
@@ -869,8 +907,14 @@ class LeftOut(InBrowser):
                 name, its = next(iter(feature[side].items()))
                 its = "-".join(map(str, its)) if name == "edge" else its
                 self.assertIn(f"{name} {its}", said)
-            self.set("step", 1)
+            self.browser.run(SET, "step", "2")  # the slider is of all steps, as the bars
+            self.browser.frames()
             self.assertFalse(self.is_seen("absent"))
+            self.assertEqual(self.value("index"), 1)
+            self.set("step", 0)
+            self.browser.run(SET, "step", "1")  # is left out: so to the next that is not
+            self.browser.wait("return pccd.state.values.index === 1")
+            self.assertEqual(self.browser.run("return step.value"), "2")
             self.set("step", 0)
         self.show("--every", "2", behind="#step=4")
         command = self.browser.run(
@@ -907,6 +951,29 @@ class Phone(InBrowser):
             self.browser.resize(wide, high)
             self.browser.frames(3)
             self.assertEqual(self.browser.run(PLATES), [], wide)
+
+    # If it failed, "click a row" would stand over no row, the slider show another step
+    # than the bars, what was clicked move away, or who needs large letters not get them.
+    def test_page__fits_a_small_screen_and_large_letters(self):
+        self.addCleanup(self.browser.resize_back)
+        self.browser.resize(1100, 800)
+        self.open()
+        self.assertGreaterEqual(self.browser.run(ROWS_SEEN), 4)
+        self.assertLess(max(map(abs, self.browser.run(AMISS))), 1)
+        where = """const {left, top} = document.getElementById('detail-close')
+            .getBoundingClientRect(); return [left, top];"""
+        before = self.browser.run(where)
+        self.browser.click("#copy")
+        self.browser.wait("return document.getElementById('copied').textContent")
+        self.assertEqual(self.browser.run(where), before)
+        sizes = self.browser.run(TEXT_SIZES)
+        self.browser.run("document.documentElement.style.fontSize = '32px'")
+        self.browser.frames(3)
+        self.assertEqual(self.browser.run(TEXT_SIZES)[:20],
+                         [2 * size for size in sizes[:20]])
+        self.browser.resize(550, 400)  # 200 %
+        self.open()
+        self.assertTrue(self.is_seen("chips"))
 
     # If it failed, the page would be shrunk on a phone until its sides fit, with buttons
     # that no finger hits, or what is under the view could not be reached.
@@ -1209,6 +1276,14 @@ class Turning(InBrowser):
         place = self.facts("detail-facts")["place"].strip("()").split(", ")
         self.assertLess(math.dist([float(x) for x in place], TIP), 1e-3)
         self.picture("inspect-turning")
+        # From behind the bar it is hidden; going to it, one comes to where it is not.
+        target = [x - middle for x, middle in zip(TIP, origin, strict=True)]
+        self.browser.run("pccd.state.set({hidden: new Set()});"
+                         "pccd.view.lookFrom(arguments[0])",
+                         ",".join(str(x) for x in (*target, 9, .1, .1)))
+        self.browser.wait(BEHIND)
+        self.browser.run("pccd.fly(pccd.state.values.chosen)")
+        self.browser.wait(f"return !(() => {{ {BEHIND} }})()")
         self.assertEqual(self.browser.said(), [])
 
 

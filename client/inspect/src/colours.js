@@ -36,6 +36,8 @@ export const scaleGradient = () =>
 const OBJECTS = {
   blue: [0.36, 0.55, 0.83], sand: [0.88, 0.74, 0.52], green: [0.45, 0.69, 0.49],
   violet: [0.73, 0.52, 0.75], grey: [0.60, 0.63, 0.68], brick: [0.83, 0.53, 0.42],
+  teal: [0.12, 0.60, 0.62], rose: [0.97, 0.66, 0.76], olive: [0.56, 0.58, 0.16],
+  brown: [0.56, 0.38, 0.24], red: [0.83, 0.27, 0.30], plum: [0.56, 0.36, 0.66],
 };
 const NAMES = Object.keys(OBJECTS);
 

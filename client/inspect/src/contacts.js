@@ -83,7 +83,7 @@ function makeList(data, state, fly) {
   const list = byId("contacts");
   const rows = byId("contact-rows");
   /** Pixels; style.css knows when a row has two lines. */
-  const rowHeight = () => parseFloat(getComputedStyle(list).getPropertyValue("--row"));
+  const rowHeight = () => parseFloat(getComputedStyle(rows).minHeight);
 
   /** A feature, with the colour of its object before it. */
   function feature(step, i, side) {
@@ -225,7 +225,7 @@ function makeFilters(data, state) {
     const counts = KINDS.map(() => 0);
     contacts.kind.forEach((kind) => counts[kind]++);
     buttons.forEach((button, kind) => {
-      button.hidden = isOfBounds(data.step(index)) || counts[kind] === 0 && data.meta.steps.every(({ answer }) => !answer[KINDS[kind].id]);
+      button.hidden = isOfBounds(data.step(index)) || counts[kind] === 0 && (data.step(index).near || data.meta.steps.every(({ answer }) => !answer[KINDS[kind].id]));
       button.querySelector("b").textContent = count(counts[kind]);
       button.setAttribute("aria-pressed", String(kinds[kind]));
     });

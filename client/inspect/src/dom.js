@@ -42,6 +42,11 @@ export function colourOf(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
+/** Pixels of the text of a canvas: larger where the reader asks his browser for it, up to what its
+ * lines have room for. */
+export const canvasText = () =>
+  11 * Math.min(1.4, parseFloat(getComputedStyle(document.documentElement).fontSize) / 16);
+
 /** Give a canvas the pixels that it covers; its context, scaled to CSS pixels, emptied. */
 export function prepareCanvas(canvas) {
   const ratio = window.devicePixelRatio || 1;
@@ -52,7 +57,7 @@ export function prepareCanvas(canvas) {
   const context = canvas.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
-  context.font = `11px ${getComputedStyle(document.body).fontFamily}`;
+  context.font = `${canvasText()}px ${getComputedStyle(document.body).fontFamily}`;
   return { context, width, height };
 }
 
@@ -72,16 +77,17 @@ export function oncePerFrame(call) {
 
 const tip = () => byId("tip");
 
-/** A box of text beside the pointer. */
+/** A box of text beside the pointer: over what it tells of where that has room, else above it, so that
+ * no button is covered. */
 export function showTip(event, title, lines) {
   const box = tip();
   box.replaceChildren(element("strong", {}, title), ...lines.map((line) => element("div", {}, line)));
   box.hidden = false;
   const { width, height } = box.getBoundingClientRect();
-  const x = Math.min(event.clientX + 14, window.innerWidth - width - 8);
-  const above = event.clientY + 18 + height > window.innerHeight;
-  box.style.left = `${Math.max(8, x)}px`;
-  box.style.top = `${above ? event.clientY - height - 12 : event.clientY + 18}px`;
+  const { top, bottom } = event.currentTarget.getBoundingClientRect();
+  const isRight = event.clientX + 14 + width + 8 > window.innerWidth;
+  box.style.left = `${Math.max(8, isRight ? event.clientX - 14 - width : event.clientX + 14)}px`;
+  box.style.top = `${Math.max(8, height <= bottom - top ? top : top - height)}px`;
 }
 
 export function hideTip() {

@@ -47,10 +47,13 @@ function makeView(onMove) {
   }
 }
 
-/** A ring around what is chosen, [x, y, depth] on the canvas; null: nothing is. */
-function movePin(place) {
-  byId("pin").hidden = place === null || place[2] >= 1;
-  if (place !== null) {
+/** A ring around what is chosen: its place [x, y, depth] on the canvas, and whether a surface hides
+ * it; null: nothing is. */
+function movePin(pin) {
+  byId("pin").hidden = pin === null || pin.place[2] >= 1;
+  if (pin !== null) {
+    const { place } = pin;
+    byId("pin").classList.toggle("behind", pin.isHidden);
     byId("pin").style.transform = `translate(${place[0]}px, ${place[1]}px)`;
   }
 }
@@ -124,7 +127,7 @@ const busiestOf = ({ meta: { steps } }) =>
  * phone what is known of a contact would lie over the rest. */
 function openingOf(step) {
   const first = firstOf(step);
-  const isPhone = window.matchMedia("(max-width: 680px)").matches; // as in style.css
+  const isPhone = window.matchMedia("(max-width: 42.5em)").matches; // as in style.css
   return { chosen: isPhone ? -1 : first, t: step.near ? 1 : first < 0 ? 0 : step.contacts.toi[first] };
 }
 

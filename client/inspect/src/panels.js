@@ -130,6 +130,7 @@ export function makeAnswer(data, state) {
     const [before, total, behind] = sentenceOf(step, data.all.at(-1).number);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
+    byId("sentence").title = byId("sentence").textContent;
     byId("records-head").textContent = headOf(step);
     byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
     byId("engine-facts").replaceChildren(
@@ -284,7 +285,7 @@ export function makeDetail(data, state, does) {
         const dot = element("i", { className: "dot square", title: "its colour in the view" });
         const drawn = drawnAs(step, chosen, name);
         dot.style.background = `var(--${drawn})`;
-        return [element("dt", {}, name), element("dd", {}, ...(drawn ? [dot] : []), text,
+        return [element("dt", {}, name), element("dd", { title: text }, ...(drawn ? [dot] : []), text,
           ...(isWay(step, chosen, name) ? [element("span", { className: "quiet" }, ", the line is its way")] : []))];
       }));
     }
@@ -348,7 +349,7 @@ export function makeObjectList(data, state) {
         next[box.checked ? "delete" : "add"](object.handle);
         state.set({ hidden: next });
       });
-      return element("label", { className: "object" }, box, dot, `${object.name} `, element("span", { className: "colour" }, nameOfColour(i)),
+      return element("label", { className: "object" }, box, dot, element("span", { className: "name", title: object.name }, object.name), element("span", { className: "colour" }, nameOfColour(i)),
         element("span", {}, sizeText(object, data.meta.unit)));
     }));
   });

@@ -21,6 +21,9 @@ const PICK_SAME = 5; // pixels: contacts of a ring so wide are equally far from 
 const FLY_PART = 0.8; // of the distance from which all is seen: the rest is cut at the sides
 const LEAST_HEIGHT = 0.05; // radians from straight above or below, where no side is left or right
 const CLOSE = 22; // sizes of a contact's features away from it
+const CLOSER = 0.6; // of the distance at most, where they are large
+const SIDES = Array.from({ length: 27 }, (_, i) => new Vector3(i % 3 - 1, Math.floor(i / 3) % 3 - 1, Math.floor(i / 9) - 1))
+  .filter((side) => side.lengthSq() > 0).map((side) => side.normalize());
 
 /** Colours of the style sheet as [r, g, b]. */
 function rgbOf(name) {
@@ -54,7 +57,8 @@ export function makeScene(canvas, onMove) {
   const boxes = makeBoxes(group, uniforms);
   let flight = null; // {begin, fromTarget, toTarget, fromAt, toAt}
   let extent = null;
-  let pin = null; // {step, i}: what is chosen
+  let pin = null; // {step, i, key, isHidden}: what is chosen, and whether it is hidden from the place `key`
+  let shown = { hidden: new Set(), opacity: 1 };
   let pointSize = POINT_MAX;
   let isFitted = true; // and nobody has moved the camera since
   ground.renderOrder = -1;
@@ -99,7 +103,7 @@ export function makeScene(canvas, onMove) {
     camera.far = away * 20 + (extent ? 20 * extent.radius : 0);
     camera.updateProjectionMatrix();
     renderer.render(scene, camera);
-    onMove(camera, pin && placeOf(pin.step, pin.i, uniforms.t.value), cameraText());
+    onMove(camera, pin && { place: placeOf(pin.step, pin.i, uniforms.t.value), isHidden: isPinHidden(moves) }, cameraText());
     if (moves) {
       draw();
     }
@@ -148,11 +152,11 @@ export function makeScene(canvas, onMove) {
     return away;
   }
 
-  /** The triangles of objects that may hide something within so many pixels of a place on the canvas:
-   * [[corner, corner, corner], ...]. */
-  function trianglesAround(objects, t, [x, y], pixels) {
-    const toward = new Vector3((2 * x) / canvas.clientWidth - 1, 1 - (2 * y) / canvas.clientHeight, 0.5).unproject(camera);
-    const ray = new Ray(camera.position, toward.sub(camera.position).normalize());
+  /** The triangles that may hide something within so many pixels of the way from `eye` towards a
+   * point: [[corner, corner, corner], ...]; none where one sees through them. */
+  function trianglesAround(step, { hidden, opacity }, t, eye, toward, pixels) {
+    const objects = opacity < 1 ? [] : step.objects.filter(({ handle }) => !hidden.has(handle));
+    const ray = new Ray(eye, toward.clone().sub(eye).normalize());
     const spread = pixels * uniforms.pixel.value; // for each unit of the way from the eye
     const [p, q, r, middle] = Array.from({ length: 4 }, () => new Vector3());
     const found = [];
@@ -165,7 +169,7 @@ export function makeScene(canvas, onMove) {
         r.fromArray(at, 3 * triangles[i + 2]);
         middle.copy(p).add(q).add(r).divideScalar(3);
         const size = Math.sqrt(Math.max(...[p, q, r].map((corner) => corner.distanceToSquared(middle))));
-        const room = size + spread * (middle.distanceTo(camera.position) + size);
+        const room = size + spread * (middle.distanceTo(eye) + size);
         if (ray.distanceSqToPoint(middle) <= room * room) {
           found.push([p.clone(), q.clone(), r.clone()]);
         }
@@ -176,13 +180,28 @@ export function makeScene(canvas, onMove) {
 
   /** Whether one of these triangles lies between the eye and the dot of a contact, which pointMaterial
    * draws somewhat nearer to the eye. */
-  function isBehind(triangles, place) {
-    const to = new Vector3(...place).sub(camera.position);
+  function isBehind(triangles, place, eye) {
+    const to = new Vector3(...place).sub(eye);
     const far = to.length() * (1 - Math.max(0.004, 1.5 * uniforms.size.value * uniforms.pixel.value));
-    const ray = new Ray(camera.position, to.normalize());
+    const ray = new Ray(eye, to.normalize());
     const met = new Vector3();
     return triangles.some((corners) =>
-      ray.intersectTriangle(...corners, false, met) && met.distanceTo(camera.position) < far);
+      ray.intersectTriangle(...corners, false, met) && met.distanceTo(eye) < far);
+  }
+
+  /** Whether a surface hides a contact from an eye. */
+  function isHiddenFrom(eye, step, i, t) {
+    const place = contactAt(step, i, t);
+    return isBehind(trianglesAround(step, shown, t, eye, new Vector3(...place), 0), place, eye);
+  }
+
+  /** Whether what is chosen is hidden, as far as was known when the camera last stood. */
+  function isPinHidden(moves) {
+    const key = [camera.position.toArray(), uniforms.t.value].join();
+    if (!moves && pin.key !== key) {
+      Object.assign(pin, { key, isHidden: isHiddenFrom(camera.position, pin.step, pin.i, uniforms.t.value) });
+    }
+    return pin.isHidden;
   }
 
   const view = {
@@ -236,8 +255,8 @@ export function makeScene(canvas, onMove) {
         flyTo(target, target.clone().addScaledVector(direction, away), isAtOnce);
       }
     },
-    /** Look at a contact from outside of the face, or of where it is now: with the scene around it,
-     * or, `isClose`, with its features alone. */
+    /** Look at a contact from a side where no surface hides it, of several from the one that is the
+     * least turn away: with the scene around it, or, `isClose`, nearer. */
     flyToContact(step, i, t, size, isClose) {
       const at = new Vector3(...contactAt(step, i, t));
       const direction = camera.position.clone().sub(controls.target).normalize();
@@ -246,9 +265,17 @@ export function makeScene(canvas, onMove) {
         normal.negate();
       }
       direction.addScaledVector(normal, 0.6).addScaledVector(camera.up, 0.15).normalize();
+      const now = camera.position.distanceTo(controls.target);
+      const eyeAt = (side) => {
+        const seen = extent ? FLY_PART * distanceToSee({ ...extent, middle: at }, side) : 0;
+        const away = isClose ? Math.min(CLOSE * size, CLOSER * now) : Math.max(seen, CLOSE * size);
+        return at.clone().addScaledVector(side, away);
+      };
+      const sides = SIDES.map((side) => side.clone().addScaledVector(direction, 0.3).normalize())
+        .sort((a, b) => b.dot(direction) - a.dot(direction));
+      const eyes = [direction, ...sides].map(eyeAt);
       isFitted = false;
-      const seen = extent ? FLY_PART * distanceToSee({ ...extent, middle: at }, direction) : 0;
-      flyTo(at, at.clone().addScaledVector(direction, isClose ? CLOSE * size : Math.max(seen, CLOSE * size)));
+      flyTo(at, eyes.find((eye) => !isHiddenFrom(eye, step, i, t)) ?? eyes[0]);
     },
     /** Turn around what is looked at, by radians to the side and upwards, and come nearer by a
      * factor below 1: for the keyboard. */
@@ -282,6 +309,10 @@ export function makeScene(canvas, onMove) {
     },
     showObjects(step, options) {
       uniforms.opacity.value = options.opacity;
+      shown = options;
+      if (pin) {
+        pin.key = "";
+      }
       objects.show(step, { ...options, wireColour: rgbOf("wire") });
       draw();
     },
@@ -299,7 +330,7 @@ export function makeScene(canvas, onMove) {
       return count;
     },
     choose(step, i, size) {
-      pin = i >= 0 ? { step, i } : null;
+      pin = i >= 0 ? { step, i, key: "", isHidden: false } : null;
       marks.choose(step, i, size, { a: rgbOf("feature-a"), b: rgbOf("feature-b"), normal: rgbOf("normal") });
       draw();
     },
@@ -318,9 +349,9 @@ export function makeScene(canvas, onMove) {
         return { i, depth, away: Math.hypot(atX - x, atY - y) };
       }).filter(({ depth, away }) => depth < 1 && away < reach)
         .sort((a, b) => Math.floor(a.away / PICK_SAME) - Math.floor(b.away / PICK_SAME) || a.depth - b.depth);
-      const seen = opacity < 1 || near.length === 0 ? [] : step.objects.filter(({ handle }) => !hidden.has(handle));
-      const triangles = trianglesAround(seen, t, [x, y], reach);
-      return near.find(({ i }) => !isBehind(triangles, contactAt(step, i, t)))?.i ?? -1;
+      const toward = new Vector3((2 * x) / canvas.clientWidth - 1, 1 - (2 * y) / canvas.clientHeight, 0.5).unproject(camera);
+      const triangles = near.length === 0 ? [] : trianglesAround(step, { hidden, opacity }, t, camera.position, toward, reach);
+      return near.find(({ i }) => !isBehind(triangles, contactAt(step, i, t), camera.position))?.i ?? -1;
     },
     /** Where a contact is seen, in pixels of the canvas. */
     placeOf: (step, i, t) => placeOf(step, i, t),

@@ -1,9 +1,9 @@
 // timeline.js - how many contacts each step has; with the engine's figures what each phase took, too.
 
 import { PHASES } from "./colours.js";
-import { byId, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
+import { byId, canvasText, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
 
-const TOP = 16; // above the bars, for the scale
+const top = () => canvasText() + 5; // above the bars, for words
 const BAR_MAX = 128;
 
 /** A round number of nanoseconds below `ns`, for a line of the scale. */
@@ -45,12 +45,17 @@ export function makeTimeline(data, state, show) {
     context.fillText(duration(line), width - 4, y + 12);
   }
 
+  const slider = byId("step");
+  const THUMB = 16; // pixels that its handle is wide
   const draw = oncePerFrame(() => {
     const { context, width, height } = prepareCanvas(canvas);
-    const room = height - TOP - 2;
+    const room = height - top() - 2;
     const bar = widthOf(width);
+    slider.style.marginLeft = `${(bar - THUMB) / 2}px`;
+    slider.style.width = `${(steps.length - 1) * bar + THUMB}px`;
     const gap = bar > 4 ? Math.min(3, bar * 0.2) : 0;
     const { engine } = state.values;
+    const below = engine ? room / 2 : 0; // for the times, under what was found
     steps.forEach(({ answer }, i) => {
       const isShown = steps[i].index === state.values.index;
       let bottom = height;
@@ -58,30 +63,23 @@ export function makeTimeline(data, state, show) {
         context.fillStyle = colourOf(isShown ? "chosen" : "hover");
         context.fillRect(i * bar, 0, Math.max(bar, 2), height);
       }
-      const parts = engine ? partsOf(answer).map(([name, ns]) => [name, ns / highest])
-        : [["contacts", answer.total / most]];
-      for (const [name, share] of parts) {
-        const tall = share > 0 ? Math.max(share * room, engine ? 0 : 1.5) : 0;
+      const put = (name, tall) => {
         context.fillStyle = colourOf(`phase-${name}`);
         context.fillRect(i * bar + gap / 2, bottom - tall, Math.max(bar - gap, 0.75), tall);
         bottom -= tall;
+      };
+      if (engine) {
+        partsOf(answer).forEach(([name, ns]) => put(name, (ns / highest) * below));
       }
+      bottom = height - below;
+      put("contacts", answer.total > 0 ? Math.max((answer.total / most) * (room - below), 1.5) : 0);
     });
     context.textAlign = "right";
     if (engine) {
-      drawScale(context, width, height, room);
-      context.strokeStyle = colourOf("text");
-      context.globalAlpha = 0.65;
-      context.lineWidth = 1.25;
-      context.beginPath();
-      steps.forEach(({ answer }, i) => {
-        context.lineTo((i + 0.5) * bar, height - 1 - (answer.total / most) * (room - 4));
-      });
-      context.stroke();
-      context.globalAlpha = 1;
+      drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`${engine ? "— " : ""}found in each step, at most ${count(most)}`, width - 4, 11);
+    context.fillText(`found in each step, at most ${count(most)}`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });

@@ -57,22 +57,30 @@ export function makeTransport(data, state, goTo) {
     requestAnimationFrame(advance);
   }
 
-  for (const id of ["previous", "next", "step-slide"]) {
+  for (const id of ["previous", "next", "step-text", "step"]) {
     byId(id).hidden = steps.length === 1;
   }
-  step.max = String(steps.length - 1);
-  step.addEventListener("input", () => goTo(Number(step.value), { playing: false }));
+  const places = steps.map((_, index) => data.all.findIndex((one) => one.index === index));
+  step.max = String(data.all.length - 1);
+  step.addEventListener("input", () => { // to the next one that is drawn, in the same direction
+    const place = Number(step.value);
+    const before = places.filter((one) => one < place).length; // drawn ones
+    const isBack = place < places[state.values.index] && places[before] !== place;
+    const to = Math.max(0, Math.min(steps.length - 1, isBack ? before - 1 : before));
+    step.value = String(places[to]);
+    goTo(to, { playing: false });
+  });
   time.addEventListener("input", () => state.set({ t: Number(time.value), playing: false }));
   play.addEventListener("click", () => state.set({ playing: !state.values.playing }));
   byId("previous").addEventListener("click", () => goTo(state.values.index - 1));
   byId("next").addEventListener("click", () => goTo(state.values.index + 1));
   byId("speed").addEventListener("change", (event) => state.set({ speed: Number(event.target.value) }));
   state.on(["index"], ({ index }) => {
-    step.value = String(index);
+    step.value = String(places[index]);
     step.setAttribute("aria-valuetext", `step ${steps[index].number}`);
     byId("step-word").textContent = steps[index].near ? "Question" : "Step";
     byId("step-number").textContent = steps[index].number;
-    byId("step-last").textContent = steps[steps.length - 1].number;
+    byId("step-last").textContent = data.all.at(-1).number;
     byId("time-slide").hidden = Boolean(steps[index].near); // nothing moves
     byId("transport").hidden = Boolean(steps[index].near) && steps.length === 1;
     byId("previous").disabled = index === 0;
