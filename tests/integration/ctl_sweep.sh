@@ -215,6 +215,9 @@ report "a hinge is free before its stop, and where its parts may meet"
 
 # Otherwise a distance would be another one. The corner is sin(30 deg - q) from the face.
 jams --clearance 0.1 --json hinge.urdf && holds jams pin 0.42343135397717 1e-6 &&
+    grep -q '"within_bracket": true' out && jams --bracket 1e-15 --json hinge.urdf &&
+    grep -q '"within_bracket": false' out && jams --bracket 1e-15 hinge.urdf &&
+    says '^ +[0-9.e-]+ wide: it could not be narrowed to 1e-15$' &&
     ctl sweep --least 1e-6 --joint pin=0:0.4 --json hinge.urdf &&
     awk '/least_distance/ { getline a; getline b; ok = a + 0 <= 0.12328430974 && b + 0 >= 0.12328430974 &&
         b - a < 1e-5 } END { exit !ok }' out
@@ -331,7 +334,9 @@ within '<box size="9 9 9"/>' '<box size="1 1 1"/>' && jams within.urdf &&
     within '<box size="9 9 9"/>' '<sphere radius="1"/>' && jams within.urdf &&
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >flat.obj &&
     within '<box size="9 9 9"/>' '<mesh filename="flat.obj"/>' && ctl sweep within.urdf &&
-    says '^note +not all shapes are closed'
+    says '^note +not all shapes are closed' && sed 's/^v /v 99/' flat.obj >away.obj &&
+    within '<box size="9 9 9"/>' '<box size="1 1 1"/>' && jams --with away.obj within.urdf &&
+    says 'wall and bar, from the begin, where they meet already' '^note +not all shapes'
 report "what begins within another part is seen, or that it would not be"
 
 # Otherwise a box of joint values would be called free with a jam in it.

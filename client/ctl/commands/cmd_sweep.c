@@ -108,8 +108,8 @@ static const struct option_row rows[] = {
      OPTION_TEXT, .at = AT(edges)},
     {"clearance", 0, "[A,B=]D",
      "Parts may not come nearer to each other than D (default: 0); or these two, in the "
-     "place of that and of their thickness. At 0 these two may be as near as they like, as "
-     "a pin in its hole, and may not pass through each other. May be repeated",
+     "place of that and of their thickness. At 0 these two may be as near as they like, "
+     "as a pin in its hole, and may not pass through each other. May be repeated",
      OPTION_OWN, .at = AT(clearances), .take = take_clearance},
     {"allow", 0, "A,B",
      "These two parts may meet, as those do that touch by design; may be repeated",
@@ -516,8 +516,8 @@ static bool print_end(struct run *run)
     bool ok = !run->lacks_memory;
     if (run->ranges == NULL) {
         if (run->sweep.is_open) {
-            fputs("note       not all shapes are closed meshes: what begins wholly "
-                  "within another part is not seen\n",
+            fputs("note       not all shapes are closed meshes: where such a one begins "
+                  "wholly within another, or around it, is not seen\n",
                   columns_fitted(stdout));
         }
         printf("answer     %s\n", sweep_verdict_name(run->verdict));

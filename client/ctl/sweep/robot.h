@@ -127,8 +127,8 @@ uint32_t robot_find_part(const struct robot *robot, const char *name);
 /* Set the rotation of a place: roll, pitch, yaw turn about fixed x, then y, then z. */
 void robot_turn(struct robot_place *place, const double rpy[3]);
 /* Let two parts meet by design (ROBOT_APART), or keep a clearance in the place of their
- * thickness; the radius of a sphere or capsule is no thickness. Of what is said of two the
- * last counts. Errors: E_NOMEM. */
+ * thickness; the radius of a sphere or capsule is no thickness. Of what is said of two
+ * the last counts. Errors: E_NOMEM. */
 int robot_set_pair(struct robot *robot, uint32_t a, uint32_t b, double clearance,
                    struct ctl_error *error);
 /* Sort joints, so that each comes behind its parent; find the leaders of those that

@@ -31,7 +31,7 @@ struct sweep {
     uint64_t pair_count; /* of parts that may meet */
     double separation;   /* of motions: the clearance, unless pairs have their own */
     uint64_t asked;      /* motions */
-    bool is_open; /* not all shapes are closed: what is within others is not looked for */
+    bool is_open; /* not all shapes are closed: those within others are not looked for */
     struct pccd_joint *joints;
     struct pccd_motion *motions; /* [shape_count] */
 };

@@ -40,8 +40,8 @@ static int put_shape(struct sweep *sweep, struct robot_shape *shape)
                              : status;
 }
 
-/* Return the radius that is part of the distance a shape keeps: a clearance takes the place
- * of an object's thickness, but the radius of a sphere or capsule is its shape. */
+/* Return the radius that is part of the distance a shape keeps: a clearance takes the
+ * place of an object's thickness, but the radius of a sphere or capsule is its shape. */
 static double radius_of(const struct robot_shape *shape, bool has_clearance)
 {
     bool is_round = shape->form == ROBOT_SPHERE || shape->form == ROBOT_CAPSULE;
@@ -185,13 +185,17 @@ int sweep_ask(struct sweep *sweep, const double *from, const double *to, double 
     return fail(sweep, status);
 }
 
-/* Ask about where the last motion began; a record becomes a hit. */
-static int look_for(struct sweep *sweep, enum pccd_near_what what, struct sweep_hit *hit)
+/* Ask about where the last motion began, of two objects (0: of all); a record becomes a
+ * hit. */
+static int look_for(struct sweep *sweep, enum pccd_near_what what, uint32_t a, uint32_t b,
+                    struct sweep_hit *hit)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings.what = what;
     settings.at_begin = true;
+    settings.object_a = a;
+    settings.object_b = b;
     settings.threads = sweep->threads;
     int status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
     if (status == PCCD_OK && answer.count > 0) {
@@ -202,13 +206,39 @@ static int look_for(struct sweep *sweep, enum pccd_near_what what, struct sweep_
     return status;
 }
 
+/* Look for a shape within another one. The answer for all takes closed meshes alone; if
+ * one is open, each pair is asked, and those with an open one are not known. */
+static int look_within(struct sweep *sweep, struct sweep_hit *hit)
+{
+    const struct robot *robot = sweep->robot;
+    int status =
+        sweep->is_open ? PCCD_E_INVAL : look_for(sweep, PCCD_NEAR_DEPTH, 0, 0, hit);
+    if (status != PCCD_E_INVAL) {
+        return status;
+    }
+    sweep->is_open = true;
+    status = PCCD_OK;
+    for (uint32_t a = 0; a < robot->shape_count; a++) {
+        for (uint32_t b = a + 1; b < robot->shape_count; b++) {
+            const struct robot_shape *first = &robot->shapes[a],
+                                     *other = &robot->shapes[b];
+            bool is_known = hit->is_there && hit->t[1] == 0;
+            if (status != PCCD_OK || is_known ||
+                robot_never_asks(robot, first->part, other->part)) {
+                continue;
+            }
+            status = look_for(sweep, PCCD_NEAR_DEPTH, first->handle, other->handle, hit);
+            status = status == PCCD_E_INVAL ? PCCD_OK : status;
+        }
+    }
+    return status;
+}
+
 int sweep_look(struct sweep *sweep, struct sweep_hit *hit)
 {
-    int status = look_for(sweep, PCCD_NEAR_CROSSINGS, hit);
-    if (status == PCCD_OK && !sweep->is_open && !(hit->is_there && hit->t[1] == 0)) {
-        status = look_for(sweep, PCCD_NEAR_DEPTH, hit);
-        sweep->is_open = status == PCCD_E_INVAL;
-        status = sweep->is_open ? PCCD_OK : status;
+    int status = look_for(sweep, PCCD_NEAR_CROSSINGS, 0, 0, hit);
+    if (status == PCCD_OK && !(hit->is_there && hit->t[1] == 0)) {
+        status = look_within(sweep, hit);
     }
     return fail(sweep, status);
 }

@@ -104,6 +104,13 @@ static void print_gaps(FILE *to, const struct robot *robot,
     }
 }
 
+/* Return whether the interval of the first joint is as narrow as was asked for; others
+ * have a single value. */
+static bool is_within_bracket(const struct sweep *sweep, const struct sweep_jam *jam)
+{
+    return jam->at.ends[0][1] - jam->at.ends[0][0] <= sweep->bracket;
+}
+
 void sweep_report_range(FILE *to, const struct sweep *sweep,
                         const struct sweep_range *range, const double *values,
                         const struct sweep_answer *answer)
@@ -127,6 +134,11 @@ void sweep_report_range(FILE *to, const struct sweep *sweep,
                 : i == 0         ? ", from the begin"
                                  : ", from the end",
                 jam->is_at_begin ? ", where they meet already" : "");
+        if (!is_within_bracket(sweep, jam)) {
+            fprintf(to, "    %s wide: it could not be narrowed to %s\n",
+                    tool_shown_number(jam->at.ends[0][1] - jam->at.ends[0][0]),
+                    tool_shown_number(sweep->bracket));
+        }
     }
     if (answer->jam_count > 0 && answer->jams[0].is_at_begin) {
         fprintf(to, "  what touches by design: --allow %s,%s\n",
@@ -221,6 +233,8 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
             json_set(jam, "from", json_string(i == 0 ? "begin" : "end"), &ok);
         }
         json_set(jam, "initial", json_boolean(answer->jams[i].is_at_begin), &ok);
+        json_set(jam, "within_bracket",
+                 json_boolean(is_within_bracket(sweep, &answer->jams[i])), &ok);
         json_append(jams, jam, &ok);
     }
     for (size_t i = 0; i < answer->gap_count; i++) {
