@@ -25,6 +25,15 @@
  * computation can tell. Either way they are free before toi, and toi_hi is by when they
  * have met, or the end of the time in which they may.
  *
+ * Of a robot: a motion is proved to be free if safe_step is 1, or if the answer is
+ * complete and total is 0; an incomplete one may have no contacts, either. It has to
+ * begin where nothing crosses (PCCD_NEAR_CROSSINGS with at_begin, pccd_near.h).
+ * Obstacles meet each other, too, though they stand still: two that touch are a contact
+ * at t = 0 of every step. So give links one group and obstacles another one, which only
+ * the mask of links has. With a distance to keep (separation, radii), what is thinner
+ * meets itself: turn its self_collision off (struct pccd_object_settings). Links that are
+ * joined leave a gap, or ignore each other (pccd_pair_ignore).
+ *
  * Threads: as pccd.h, which includes this header; pccd_joints_* and
  * pccd_rotation_of_matrix need no client: [any thread]. What they say of an error is
  * pccd_error_text(NULL).

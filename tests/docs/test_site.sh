@@ -51,6 +51,7 @@ if [ -n "$python" ]; then
             says robot '^edge *line 1: jams' && says robot '^edge *line 2: free$' &&
             says cloth '^100 frames, nothing intersects$' && film_begins cloth cloth.rec && film_begins game bounce.rec &&
             says edge '^free: the whole turn$' && says edge '^free to 84[.]5766 degrees$' &&
+            says edge '^.0[.] 0[.]. .-2[.]  1[.]. free$' && says edge 'free to 0[.]1284 of the way$' &&
             says jam ' jams *at 1[.]462 rad' && says jam ' hinge 0 to 1[.]39[0-9]* rad .*: free' &&
             awk '/ bake_.* [1-9][0-9]* \(/ { print $2; exit }' "$work/bake/log" | grep -x 'bake_007.obj:' &&
             says replay '^frame 70 has [0-9]* contacts: what is wrong?$' &&
