@@ -31,9 +31,9 @@ class Tables(unittest.TestCase):
         self.assertEqual(more["parent"].tolist(), [pccd.NO_JOINT, 0, 1, 2, 3])
         poses = pccd.joints_poses(([0, 0, 0], [0, 0, 0, 1]), QUARTER, turns=-1)
         self.assertAlmostEqual(poses["to"][1, 0], math.pi / 2 - 2 * math.pi)
-        np.testing.assert_allclose(
-            pccd.rotation_of_matrix([[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7]]),
-            QUARTER[1])
+        turned = np.array([[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7]])
+        for m in turned, turned[:, :3]:
+            np.testing.assert_allclose(pccd.rotation_of_matrix(m), QUARTER[1])
 
     # If this failed, a mistake would be an error of another thing, or none.
     def test_mistakes__are_named(self):
@@ -46,6 +46,9 @@ class Tables(unittest.TestCase):
                                            ([0, 0, 0], [0, 0, 1, 0])), "half a turn"),
                 (lambda: pccd.joints_poses(QUARTER, QUARTER, turns=1.5), "turns is 1.5"),
                 (lambda: pccd.rotation_of_matrix(2 * np.eye(3, 4)), "by 3, more than"),
+                (lambda: pccd.rotation_of_matrix(np.eye(3).ravel()),
+                 r"m has the shape \(9,\), not \(3, 3\) or \(3, 4\)"),
+                (lambda: pccd.Motions().turning(1, 4, 1.0), "joint is 1.0"),
                 (lambda: pccd.joints_place(pccd.joints_screw([0] * 3, [1] * 3, 1), 9, 0),
                  "no such joint"),
                 (lambda: pccd.Motions().joints(np.zeros(3)), "of JOINT")):

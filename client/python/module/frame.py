@@ -215,7 +215,7 @@ class Motions:
     def turning(self, object: int, count: int, joint: int) -> None:
         """All `count` vertices of an object hang on a joint of the table: see
         Frame.turning."""
-        self._add(object, joint, count, abi.Format.F64)
+        self._add(object, u32("joint", joint), count, abi.Format.F64)
 
     def _step_settings(self, settings: StepSettings) -> Any:
         """For the library, with the joints."""

@@ -68,11 +68,16 @@ def joints_rotation_vector(origin0: ArrayLike, origin1: ArrayLike, w0: ArrayLike
 
 
 def rotation_of_matrix(m: ArrayLike) -> NDArray[np.float64]:
-    """The quaternion x y z w of a transform (3, 4), rows of [R | t]. E_INVAL: R is no
-    rotation within 1e-6; the text says by how much."""
+    """The quaternion x y z w of a matrix (3, 3), or of a transform (3, 4), rows of
+    [R | t]. E_INVAL: R is no rotation within 1e-6; the text says by how much."""
+    given = np.asarray(m, np.float64)
+    if given.shape not in ((3, 3), (3, 4)):
+        raise refusal(Status.E_INVAL,
+                      f"m has the shape {given.shape}, not (3, 3) or (3, 4)")
+    rows = np.zeros((3, 4))
+    rows[:, :given.shape[1]] = given
     made = np.empty(4)
-    _check(lib.pccd_rotation_of_matrix(
-        _numbers("m", np.asarray(m, np.float64).ravel(), 12), made.ctypes.data))
+    _check(lib.pccd_rotation_of_matrix(rows.ctypes.data, made.ctypes.data))
     return made
 
 
