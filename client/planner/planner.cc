@@ -1,8 +1,9 @@
 /* planner.cc - an arm finds its way among boxes; each edge of it is proved to be free.
  *
  * Plan by RRTConnect with pccd as its judge, and print the states of the path, four joint
- * angles a line. With --edges: no plan, but so many random edges, each as `free` or
- * `refused`, the angles of its begin and of its end.
+ * angles a line. With --edges N, 1 or more: no plan, but so many random edges, each as
+ * `free` or `refused`, the angles of its begin and of its end. --seed N, 1 or more: other
+ * random numbers.
  */
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/SimpleSetup.h>
@@ -47,6 +48,16 @@ void print(const char *word, const ob::State *a, const ob::State *b)
     std::printf("\n");
 }
 
+const char usage[] = "usage: planner [--edges N] [--seed N], N from 1 to 4294967295\n";
+
+// Read a number from 1 to 2^32 - 1; false: `text` is none.
+bool take_number(const char *text, long &number)
+{
+    char *end = nullptr;
+    number = std::strtol(text, &end, 10);
+    return end != text && *end == '\0' && number >= 1 && number <= 0xffffffffL;
+}
+
 // Edges between random states that are free, at most 1 long in each joint.
 void print_edges(const ob::SpaceInformationPtr &space, long count)
 {
@@ -70,8 +81,18 @@ void print_edges(const ob::SpaceInformationPtr &space, long count)
 int main(int argc, char **argv)
 {
     long edges = 0, seed = 1;
-    for (int i = 1; i + 1 < argc; i += 2) {
-        (std::strcmp(argv[i], "--edges") == 0 ? edges : seed) = std::atol(argv[i + 1]);
+    if (argc == 2 && std::strcmp(argv[1], "--help") == 0) {
+        std::printf("%s", usage);
+        return 0;
+    }
+    for (int i = 1; i < argc; i += 2) {
+        const bool is_edges = std::strcmp(argv[i], "--edges") == 0;
+        if ((!is_edges && std::strcmp(argv[i], "--seed") != 0) || i + 1 == argc ||
+            !take_number(argv[i + 1], is_edges ? edges : seed)) {
+            std::fprintf(stderr, "planner: %s: unknown, or without such a number\n%s",
+                         argv[i], usage);
+            return 2;
+        }
     }
     ompl::msg::setLogLevel(ompl::msg::LOG_WARN);
     ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));

@@ -16,7 +16,8 @@ samples=${PCCD_SAMPLES:-100}
 
 if [ ! -x "$planner" ]; then
     for name in finds_a_path_that_is_free calls_nothing_free_that_meets_something \
-        refuses_few_free_edges proves_turns_in_its_spaces is_built_as_its_page_says; do
+        refuses_few_free_edges refuses_what_it_does_not_know proves_turns_in_its_spaces \
+        is_built_as_its_page_says; do
         tap_skip "planner__$name" "configure has not found OMPL (on Debian: libompl-dev)"
     done
     tap_end
@@ -37,6 +38,16 @@ tap_result $? planner__calls_nothing_free_that_meets_something "$log"
 awk '/ free; / { free = $2; wasted = $8 } END { exit !(free > 0 && wasted <= free / 200) }' "$log"
 # If it failed, planners would find no way where there is one.
 tap_result $? planner__refuses_few_free_edges "$log"
+
+for words in bogus --edges "--edges x" "--edges 0" "--seed 1 --eges 5"; do
+    # shellcheck disable=SC2086 # words on purpose
+    said=$(timeout 60 "$planner" $words 2>&1)
+    [ $? -eq 2 ] && grep -q '^usage: ' <<<"$said" || echo "$words: $said"
+done >"$log"
+timeout 60 "$planner" --help | grep -q '^usage: ' || echo "--help: no usage" >>"$log"
+[ ! -s "$log" ]
+# If it failed, who mistypes an option would take the answer to another question.
+tap_result $? planner__refuses_what_it_does_not_know "$log"
 
 timeout 60 "$top_builddir/tests/planner/turns" >"$log" 2>&1
 # If it failed, a body could turn through what is thin, by less than OMPL interpolates.
