@@ -142,10 +142,12 @@ int pccd_fd(const struct pccd_client *client);
  * load it. These things differ from a daemon:
  * - A step is computed inside pccd_frame_commit (pccd_submit_still, pccd_step_x1), by the
  *   calling thread and its OpenMP team; its answer waits for pccd_poll or pccd_wait as
- *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. A frame
- *   that is held can still be cancelled; when its deadline has come, pccd_fd of every
- *   client is readable, and pccd_poll of any of them answers it. To compute steps while
- *   your program draws, give the client to a thread of its own.
+ *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. No
+ *   timeout ends a step, deadline_ns alone does: one in which a chain of joints turns
+ *   near 2^20 turns may take minutes. A frame that is held can still be cancelled; when
+ *   its deadline has come, pccd_fd of every client is readable, and pccd_poll of any of
+ *   them answers it. To compute steps while your program draws, give the client to a
+ *   thread of its own.
  * - The team is settings.threads - 1 further threads, of $OMP_NUM_THREADS or the
  *   processors at hand in all; with 1 there is none. They keep off the processor that
  *   the calling thread is on, which is left as it is. OpenMP's environment is the

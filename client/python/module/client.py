@@ -385,7 +385,8 @@ def connect(url: Optional[str] = None, *, private: bool = False,
                   installed or in $PATH
     autostart     whether to start one at all
     name          of this client, for the daemon's log; None: the program's
-    timeout       seconds, of every call that waits
+    timeout       seconds, of every call that waits. With direct: it ends no step: the
+                  deadline_ns of its settings does
     slot_count    of the upload ring, 1 .. 16; 0 = 4
     slot_bytes    payload of one slot; 0 = grown to what is needed
     result_bytes  result region; 0 = 64 MiB
