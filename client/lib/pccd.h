@@ -463,7 +463,7 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
                      uint32_t object_b, bool ignored);
 /* Have two objects meet in steps where their distance is at most r = clearance + the
  * step's separation: it takes the place of the radii of both, whatever these are. So a
- * pin may come near its hole, at 0, where features meet that touch or pass through, while a
+ * pin may come near its hole, at 0, where only features meet that touch or cross, while a
  * handle may not come within 0.3 mm of anything. It ends as pccd_pair_ignore says; of the
  * two calls the last one counts. Questions about what is near go by the radii; a step
  * with tells_start and an approach is E_INVAL while two objects of its scene have a

@@ -129,10 +129,16 @@ report "meshes are found beside the file, in their package and in --meshes; a mi
 # Otherwise a range that nobody sees would be called free, or a joint that cannot be swept.
 urdf "$box" 'revolute <limit effort="1"/>' \
     '<link name="a"/><joint name="float" type="floating"><parent link="arm"/><child link="a"/></joint>'
-ctl sweep r.urdf && says '^joint +elbow: 0, does not move$' '^joint +float: floating, held' &&
+ends 4 'r.urdf: no joint has a range to move over' sweep r.urdf &&
+    says '^joint +elbow: 0, does not move$' '^joint +float: floating, held' &&
     fails 4 '--joint float: the joint does not move' sweep --joint float r.urdf &&
-    fails 4 '--fix elbow=x: not NAME=VALUE' sweep --fix elbow=x r.urdf &&
-    fails 4 '--joint elbow=1:0: not NAME=LO:HI' sweep --joint elbow=1:0 r.urdf &&
+    fails 4 '--fix elbow=x: the value is no number' sweep --fix elbow=x r.urdf &&
+    fails 4 '--fix elbow=1: --joint sweeps it' sweep --fix elbow=1 --joint elbow=0:1 r.urdf &&
+    fails 4 '--joint elbow=1: not NAME=LO:HI' sweep --joint elbow=1 r.urdf &&
+    fails 4 'elbow=1:0: the high end is below the low end' sweep --joint elbow=1:0 r.urdf &&
+    fails 4 'elbow=nan:1: the low end is no finite' sweep --joint elbow=nan:1 r.urdf &&
+    fails 4 'elbow=0:1rad: the high end has another unit' sweep --joint elbow=0:1rad r.urdf &&
+    fails 4 'elbow=1deg:2: the high end has no unit' sweep --joint elbow=1deg:2 r.urdf &&
     fails 4 '--joint knee: r.urdf has no such joint' sweep --joint knee r.urdf &&
     fails 4 '--allow: "a,b" does not name two parts' sweep --allow a,b r.urdf &&
     ends 2 'at most 3' sweep --joint a --joint b --joint c --joint d r.urdf
@@ -143,8 +149,9 @@ echo '<robot><disable_collisions link1="base" link2="arm"/><group_state name="up
 <joint name="elbow" value="0.5"/></group_state></robot>' >r.srdf
 echo '<robot><disable_collisions link1="base" link2="leg"/></robot>' >bad.srdf
 urdf "$box" "revolute $limit"
-ctl sweep --srdf r.srdf --state up r.urdf && says 'may meet 0$' &&
-    ctl sweep --allow base,arm r.urdf && says 'may meet 0$' &&
+ends 4 'no two shapes may meet' sweep --srdf r.srdf --state up r.urdf &&
+    ends 4 'no two shapes may meet' sweep --allow base,arm r.urdf &&
+    says 'may meet 0$' && fails 4 'r.urdf:1: no SRDF: it has links' sweep --srdf r.urdf r.urdf &&
     fails 4 'bad.srdf:1: the URDF has no link "leg"' sweep --srdf bad.srdf r.urdf &&
     fails 4 'r.srdf:1: there is no group_state "down"' sweep --srdf r.srdf --state down r.urdf
 report "SRDF leaves pairs out and has states"
@@ -207,10 +214,11 @@ report "a hinge jams at its stop, in a bracket as narrow as is asked for"
 
 # Otherwise what is free would not be, or what people read would be something else.
 ctl sweep --joint pin=0:30deg hinge.urdf
-[ $? -ne 0 ] && ctl sweep --joint pin=0:29.9deg hinge.urdf &&
-    says '^joint +pin 0 to 0.5219 rad .0 to 29.9 deg.: free$' '^answer +free$' &&
+[ $? -ne 0 ] && ctl sweep --joint pin=0.1:29.9deg hinge.urdf &&
+    says '^joint +pin 0.001745 to 0.5219 rad .0.1 to 29.9 deg.: free$' '^answer +free$' &&
     jams hinge.urdf && says 'jams +at 0.5236 rad .30 deg.: post and leaf, from the begin$' \
-    'jams.*from the end' '^answer +jams$' && ctl sweep --allow post,leaf hinge.urdf
+    'jams.*from the end' '^answer +jams$' && printf 'v 0 0 -9\nv 1 0 -9\nv 0 1 -9\nf 1 2 3\n' >low.obj &&
+    ctl sweep --allow post,leaf --with low.obj hinge.urdf
 report "a hinge is free before its stop, and where its parts may meet"
 
 # Otherwise a distance would be another one. The corner is sin(30 deg - q) from the face.
@@ -250,7 +258,8 @@ done && sed 's/^v /v 9/' post.obj >far.obj && jams --json hinge.json &&
     ends 2 '"-1" is no number' sweep --clearance leaf,post=-1 hinge.urdf &&
     ends 2 'not two names' sweep --clearance leaf=1 hinge.urdf &&
     jams --between leaf,post --json hinge.json && holds jams pin 0.42343135397717 1e-6 &&
-    ctl sweep --between far,post hinge.json && ctl sweep --allow leaf,post --between leaf,post hinge.json &&
+    ends 4 'no two shapes may meet' sweep --between far,post hinge.json &&
+    ends 4 'no two shapes may meet' sweep --allow leaf,post --between leaf,post hinge.json &&
     fails 4 '"leaf,no" does not name two objects' sweep --between leaf,no hinge.json &&
     ends 2 '--between is of scene files' sweep --between leaf,post hinge.urdf &&
     sed '/"post", "files"/s/{"name": "post".*$//; s/, {"name": "far".*}//; /"ignore"/s/,$//; s/^ "ignore".*/ "ignore": []}/; s/\[$/[/' hinge.json >leaf.json &&
@@ -382,7 +391,8 @@ jams --edges e.jsonl hinge.urdf && says '^edge +line 1: free$' \
     edge '{"from": [0], "to": [1, 2]}' &&
     ends 4 'e.jsonl:1: "to" has 2 values' sweep --edges e.jsonl hinge.urdf &&
     edge '{"from": [0], "to": {"knee": 2}}' &&
-    ends 4 'e.jsonl:1: "to" has 1 values' sweep --edges e.jsonl hinge.urdf &&
+    ends 4 'e.jsonl:1: "to" names "knee", which is no joint' sweep --edges e.jsonl hinge.urdf &&
+    : >e.jsonl && ends 4 'e.jsonl: no edge is in it' sweep --edges e.jsonl hinge.urdf &&
     edge '{"from": [0], "to": ["a"]}' &&
     ends 4 'e.jsonl:1: "to" has no number for joint "pin"' sweep --edges e.jsonl hinge.urdf &&
     edge '[' && ends 4 'e.jsonl:1: ' sweep --edges e.jsonl hinge.urdf

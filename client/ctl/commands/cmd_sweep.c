@@ -1,5 +1,4 @@
 /* cmd_sweep.c - pccdctl sweep. */
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -81,6 +80,9 @@ static void check_usage(struct argp_state *state, void *to)
         option_misused(state, "-o: \"%s\" ends with neither .png nor .svg",
                        command->picture);
     }
+    if (command->edges != NULL && command->least >= 0) {
+        option_misused(state, "--least is of ranges, not of --edges");
+    }
     if (command->edges != NULL && command->picture != NULL) {
         option_misused(state, "-o: a picture is of a range, and --edges asks for none");
     }
@@ -94,7 +96,7 @@ static const struct option_row rows[] = {
     CTL_QUESTION,
     {"joint", 0, "NAME[=LO:HI]",
      "Sweep this joint, from LO to HI (default: its limits), in radians, in degrees (as "
-     "-90deg:90deg) or in the file's unit; up to three at once (default: each joint by "
+     "-90:90deg) or in the file's unit; up to three at once (default: each joint by "
      "itself)",
      OPTION_TEXTS, .at = AT(joints)},
     {"fix", 0, "NAME=VALUE",
@@ -187,20 +189,51 @@ struct run {
 
 /* ---- what is asked ----------------------------------------------------------------- */
 
-/* Read a number, with "deg" behind it if it is an angle, up to `end`. */
-static bool read_value(const struct robot *robot, uint32_t joint, const char *text,
-                       const char *end, double *value)
+/* Read a number up to `end`, with "deg" behind it if it is an angle in degrees. Return
+ * what is wrong with it; NULL: nothing. */
+static const char *read_value(const struct robot_joint *joint, const char *text,
+                              const char *end, double *value, bool *is_in_degrees)
 {
     char *stop;
-    errno = 0;
     *value = strtod(text, &stop);
-    bool is_read = stop > text && errno == 0 && isfinite(*value);
-    if (is_read && end - stop == 3 && strncmp(stop, "deg", 3) == 0 &&
-        robot->joints[joint].kind == PCCD_JOINT_TURN) {
-        *value *= ROBOT_PI / 180;
-        stop += 3;
+    *is_in_degrees = end - stop == 3 && strncmp(stop, "deg", 3) == 0;
+    return stop == text || stop > end ? "is no number"
+           : !isfinite(*value)        ? "is no finite number"
+           : *is_in_degrees && joint->kind != PCCD_JOINT_TURN
+               ? "is in degrees, and this joint slides"
+           : stop != end && !*is_in_degrees ? "has another unit behind it than deg"
+                                            : NULL;
+}
+
+/* Read VALUE, or LO:HI, of which a unit behind the last is that of both. Return what is
+ * wrong; NULL: nothing. */
+static const char *read_values(const struct robot_joint *joint, const char *text,
+                               uint32_t count, double *values, const char **whose)
+{
+    const char *end = text + strlen(text);
+    const char *colon = count == 2 ? strchr(text, ':') : NULL, *fault = NULL;
+    bool in_degrees[2] = {false, false};
+    *whose = "";
+    if (count == 2 && colon == NULL) {
+        return "not NAME=LO:HI";
     }
-    return is_read && stop == end;
+    for (uint32_t k = 0; k < count && fault == NULL; k++) {
+        *whose = count == 1 ? "the value " : k == 0 ? "the low end " : "the high end ";
+        fault =
+            read_value(joint, k == 0 ? text : colon + 1,
+                       count == 2 && k == 0 ? colon : end, &values[k], &in_degrees[k]);
+    }
+    if (fault == NULL && count == 2 && in_degrees[0] && !in_degrees[1] &&
+        values[1] != 0) {
+        fault = "has no unit, and the low end is in degrees";
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        values[k] *= in_degrees[0] || in_degrees[1] ? ROBOT_PI / 180 : 1;
+    }
+    if (fault == NULL && count == 2 && values[0] > values[1]) {
+        fault = "is below the low end";
+    }
+    return fault;
 }
 
 /* A joint, and the value or the range that it is given. */
@@ -236,17 +269,14 @@ static int read_joint(const struct robot *robot, const char *option, const char 
     if (equals == NULL && value_count == 2) {
         return PCCD_OK;
     }
-    const char *begin = equals != NULL ? equals + 1 : "", *end = begin + strlen(begin);
-    const char *colon = value_count == 2 ? strchr(begin, ':') : end;
-    bool is_right = colon != NULL && read_value(robot, found, begin, colon, &values[0]);
-    if (is_right && value_count == 2) {
-        is_right = read_value(robot, found, colon + 1, end, &values[1]) &&
-                   values[0] <= values[1];
+    const char *whose = "", *fault = "not NAME=VALUE";
+    if (equals != NULL) {
+        fault =
+            read_values(&robot->joints[found], equals + 1, value_count, values, &whose);
     }
-    return is_right
-               ? PCCD_OK
-               : ctl_error_set(error, PCCD_E_INVAL, "--%s %s: not NAME=%s", option,
-                               tool_shown(text), value_count == 2 ? "LO:HI" : "VALUE");
+    return fault == NULL ? PCCD_OK
+                         : ctl_error_set(error, PCCD_E_INVAL, "--%s %s: %s%s", option,
+                                         tool_shown(text), whose, fault);
 }
 
 static int fix_joints(const struct command *command, struct robot *robot,
@@ -258,6 +288,15 @@ static int fix_joints(const struct command *command, struct robot *robot,
         status = read_joint(robot, "fix", command->fixed.list[i], 1, &named, error);
         if (status == PCCD_OK) {
             robot->start[named.joint] = named.values[0];
+        }
+        for (size_t k = 0; k < command->joints.count && status == PCCD_OK; k++) {
+            struct named_joint swept;
+            status =
+                read_joint(robot, "joint", command->joints.list[k], 2, &swept, error);
+            if (status == PCCD_OK && swept.joint == named.joint) {
+                status = ctl_error_set(error, PCCD_E_INVAL, "--fix %s: --joint sweeps it",
+                                       tool_shown(command->fixed.list[i]));
+            }
         }
     }
     robot_follow(robot, robot->start);
@@ -461,6 +500,11 @@ static int try_each(struct run *run)
             status = try_range(run, &range);
         }
     }
+    if (status == PCCD_OK && run->sweep.asked == 0) {
+        status = ctl_error_set(run->sweep.error, PCCD_E_INVAL,
+                               "%s: no joint has a range to move over: nothing is swept",
+                               tool_shown(robot->path));
+    }
     return status;
 }
 
@@ -487,6 +531,11 @@ static int sweep_all(struct run *run)
         sweep_report_begin(columns_fitted(stdout), &run->sweep);
         sweep_report_still(columns_fitted(stdout), &run->robot);
     }
+    if (run->sweep.pair_count == 0) {
+        return ctl_error_set(run->sweep.error, PCCD_E_INVAL,
+                             "%s: no two shapes may meet: nothing is compared",
+                             tool_shown(run->robot.path));
+    }
     if (run->command->edges != NULL) {
         return sweep_edges(&run->sweep, run->command->edges, take_edge, run);
     }
@@ -511,6 +560,19 @@ static json_t *clearances_json(const struct robot *robot)
     return list;
 }
 
+/* Links that would be seen and are not compared. */
+static json_t *unseen_json(const struct robot *robot)
+{
+    json_t *list = json_array();
+    bool ok = true;
+    for (uint32_t i = 0; i < robot->part_count; i++) {
+        if (robot->parts[i].is_visual_alone) {
+            json_append(list, json_text(robot->parts[i].name), &ok);
+        }
+    }
+    return list;
+}
+
 static bool print_end(struct run *run)
 {
     bool ok = !run->lacks_memory;
@@ -530,6 +592,7 @@ static bool print_end(struct run *run)
     json_set_count(value, "shapes", run->robot.shape_count, &ok);
     json_set_count(value, "pairs", run->sweep.pair_count, &ok);
     json_set_count(value, "motions", run->sweep.asked, &ok);
+    json_set(value, "without_collision", unseen_json(&run->robot), &ok);
     json_set(value, "looked_within", json_boolean(!run->sweep.is_open), &ok);
     json_set(value, "clearance", json_real(run->sweep.clearance), &ok);
     json_set(value, "clearances", clearances_json(&run->robot), &ok);

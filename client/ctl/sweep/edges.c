@@ -53,6 +53,18 @@ static int take_end(const struct reading *reading, const json_t *end, const char
         values[i] = json_number_value(value);
         taken++;
     }
+    const char *key;
+    json_t *of;
+    json_object_foreach((json_t *)(uintptr_t)end, key, of)
+    {
+        uint32_t joint = robot_find_joint(robot, key);
+        if (joint == ROBOT_NONE || !robot_is_free(robot, joint)) {
+            return refuse(reading,
+                          "\"%s\" names \"%s\", which is no joint that moves by "
+                          "itself",
+                          name, tool_shown(key));
+        }
+    }
     size_t given = json_is_object(end) ? json_object_size(end) : json_array_size(end);
     if (taken != given) {
         return refuse(reading,
@@ -119,6 +131,10 @@ int sweep_edges(struct sweep *sweep, const char *path, sweep_edge_fn each, void 
         }
     }
     status = status == PCCD_OK ? file.status : status;
+    if (status == PCCD_OK && sweep->asked == 0) {
+        status = ctl_error_set(sweep->error, PCCD_E_FORMAT, "%s: no edge is in it",
+                               tool_shown(path));
+    }
     ctl_file_deinit(&file);
     free(reading.ends[0]);
     free(reading.ends[1]);

@@ -93,6 +93,7 @@ void robot_close(struct robot *robot)
     free(robot->shapes);
     free(robot->pairs);
     free(robot->start);
+    free(robot->states);
     *robot = (struct robot){.path = NULL};
 }
 

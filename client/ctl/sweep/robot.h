@@ -49,7 +49,8 @@ struct robot_joint {
 struct robot_part {
     const char *name; /* of a link, or of an object of the scene */
     uint32_t line;
-    uint32_t joint; /* ROBOT_NONE: it stands */
+    uint32_t joint;       /* ROBOT_NONE: it stands */
+    bool is_visual_alone; /* a link with a <visual> and no <collision> */
 };
 
 enum robot_form { ROBOT_MESH, ROBOT_BOX, ROBOT_CYLINDER, ROBOT_SPHERE, ROBOT_CAPSULE };
@@ -91,6 +92,7 @@ struct robot {
     uint32_t joint_count, part_count, shape_count;
     struct robot_pair *pairs; /* ours: [pair_count] parts of which something is said */
     size_t pair_count, pair_room;
+    char *states;  /* ours: names of group_states that were not chosen; NULL: none */
     double *start; /* [joint_count]: values of joints where nothing else is said */
 };
 

@@ -53,7 +53,10 @@ static char *find_file(const struct robot *robot, const struct robot_options *op
         found = try_file(robot->path, slash != NULL ? (int)(slash - robot->path) : 0,
                          above[i / 2], tries[i % 2]);
     }
-    return found;
+    return found != NULL || path[0] == '/'
+               ? found
+               : try_file(robot->path, slash != NULL ? (int)(slash - robot->path) : 0, "",
+                          tries[2]);
 }
 
 static int read_file(const struct robot *robot, struct robot_shape *shape,

@@ -72,6 +72,14 @@ void sweep_report_begin(FILE *to, const struct sweep *sweep)
 
 void sweep_report_still(FILE *to, const struct robot *robot)
 {
+    for (uint32_t i = 0; i < robot->part_count; i++) {
+        if (robot->parts[i].is_visual_alone) {
+            fprintf(to,
+                    "note       link %s has a <visual> and no <collision>: it is not "
+                    "compared\n",
+                    tool_shown(robot->parts[i].name));
+        }
+    }
     for (uint32_t i = 0; i < robot->joint_count; i++) {
         const struct robot_joint *joint = &robot->joints[i];
         if (joint->held != NULL) {
@@ -140,7 +148,10 @@ void sweep_report_range(FILE *to, const struct sweep *sweep,
                     tool_shown_number(sweep->bracket));
         }
     }
-    if (answer->jam_count > 0 && answer->jams[0].is_at_begin) {
+    if (answer->jam_count > 0 && answer->jams[0].is_at_begin && robot->states != NULL) {
+        fprintf(to, "  joints as the SRDF file has them: --state, one of %s\n",
+                tool_shown(robot->states));
+    } else if (answer->jam_count > 0 && answer->jams[0].is_at_begin) {
         fprintf(to, "  what touches by design: --allow %s,%s\n",
                 part_of(robot, answer->jams[0].shapes[0]),
                 part_of(robot, answer->jams[0].shapes[1]));

@@ -143,6 +143,8 @@ static void take_link(struct reader *reader, const struct xml_element *of)
     uint32_t part = reader->robot->part_count++;
     reader->robot->parts[part].name = name;
     reader->robot->parts[part].line = of->line;
+    reader->robot->parts[part].is_visual_alone =
+        xml_find(of->child, "visual") != NULL && xml_find(of->child, "collision") == NULL;
     for (const struct xml_element *at = xml_find(of->child, "collision");
          at != NULL && reader->xml->status == PCCD_OK;
          at = xml_find(at->next, "collision")) {
@@ -327,12 +329,28 @@ static void take_state(struct reader *reader, const struct xml_element *of)
     }
 }
 
+/* Remember that there is a state of this name. */
+static void note_state(struct robot *robot, const char *name)
+{
+    char *states = NULL;
+    if (asprintf(&states, "%s%s%s", robot->states != NULL ? robot->states : "",
+                 robot->states != NULL ? ", " : "", name) >= 0) {
+        free(robot->states);
+        robot->states = states;
+    }
+}
+
 static void take_pairs(struct reader *reader, const char *state)
 {
     static const char *const ends[] = {"link1", "link2"};
     struct robot *robot = reader->robot;
     const struct xml_element *root = reader->xml->root;
     bool has_state = state == NULL;
+    if (strcmp(root->name, "robot") != 0 || xml_find(root->child, "link") != NULL) {
+        xml_refuse(reader->xml, root, "no SRDF: %s",
+                   strcmp(root->name, "robot") != 0 ? "it does not begin with <robot>"
+                                                    : "it has links, as URDF has");
+    }
     for (const struct xml_element *at = root->child;
          at != NULL && reader->xml->status == PCCD_OK; at = at->next) {
         uint32_t parts[2] = {0, 0};
@@ -341,6 +359,9 @@ static void take_pairs(struct reader *reader, const char *state)
             strcmp(name, state) == 0) {
             take_state(reader, at);
             has_state = true;
+        } else if (strcmp(at->name, "group_state") == 0 && state == NULL &&
+                   name != NULL) {
+            note_state(robot, name);
         } else if (strcmp(at->name, "disable_default_collisions") == 0 ||
                    strcmp(at->name, "enable_collisions") == 0) {
             xml_refuse(reader->xml, at, "<%s> is not understood; name each pair",
