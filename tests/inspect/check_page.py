@@ -280,11 +280,19 @@ class Opened(InBrowser):
     # If it failed, one would see a small contact, and not where in the scene it is.
     def test_contact__is_seen_with_the_scene_until_one_goes_closer(self):
         fly = """const {index, t} = pccd.state.values;
-            pccd.view.flyToContact(pccd.data.step(index), 0, t, 1e-5, arguments[0]);"""
-        self.browser.run(fly, True)
+            const [size, isClose] = arguments;
+            pccd.view.flyToContact(pccd.data.step(index), 0, t, size, isClose);"""
+        self.browser.run(fly, 1e-5, True)
         self.browser.wait(f"{IN_SIGHT} < 0.1")
-        self.browser.run(fly, False)
+        self.browser.run(fly, 1e-5, False)
         self.browser.wait(f"{IN_SIGHT} > 0.5")
+        # However large its features are, closer is nearer.
+        away = """return Math.hypot(...pccd.state.values.camera.split(",").slice(3)
+            .map(Number))"""
+        self.browser.frames(30)
+        before = self.browser.run(away)
+        self.browser.run(fly, 1e3, True)
+        self.browser.wait(f"return (() => {{ {away} }})() < 0.7 * arguments[0]", before)
 
     # If it failed, a level of a hierarchy would not be seen, or not be around the scene.
     def test_boxes__of_a_level_appear_around_the_scene(self):

@@ -127,10 +127,10 @@ export function makeAnswer(data, state) {
   state.on(["index"], ({ index }) => {
     const step = data.step(index);
     const { answer } = step;
-    const [before, total, behind] = sentenceOf(step, data.all.at(-1).number);
+    const [before, total, behind] = sentenceOf(step, data.all.at(-1).number, true);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
-    byId("sentence").title = byId("sentence").textContent;
+    byId("sentence").title = sentenceOf(step, data.all.at(-1).number, false).join("");
     byId("records-head").textContent = headOf(step);
     byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
     byId("engine-facts").replaceChildren(

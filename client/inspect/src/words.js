@@ -61,10 +61,16 @@ export function pairsOf({ contacts, objects }) {
   return [...pairs.values()].sort((one, other) => other.count - one.count || one.key - other.key);
 }
 
+const NAME_MAX = 32; // letters of an object's name in a sentence that is to be short
 const PAIRS_NAMED = 3; // in a sentence; of more it says how many there are
 
-/** " between cloth and ball", of all records of a step; "" where there is one object. */
-function whereText(step) {
+const shortName = (name) => (name.length > NAME_MAX
+  ? `${name.slice(0, NAME_MAX / 2)}…${name.slice(1 - NAME_MAX / 2)}` : name);
+
+/** " between cloth and ball", of all records of a step; "" where there is one object. `isShort`: long
+ * names are cut in their middle. */
+function whereText(whole, isShort) {
+  const step = isShort ? { ...whole, objects: whole.objects.map(({ name }) => ({ name: shortName(name) })) } : whole;
   const pairs = pairsOf(step);
   return step.objects.length < 2 || pairs.length === 0 ? ""
     : pairs.length <= PAIRS_NAMED ? ` between ${pairs.map(({ a, b }) => pairText(step, a, b)).join(", and between ")}`
@@ -138,8 +144,8 @@ export const nounOf = (step) => (step.near ? nearNoun(step)
   : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
     : ["contact", "contacts"]);
 
-/** The sentence that says what is looked at, in parts: [before, count, behind]. */
-export function sentenceOf(step, last) {
+/** The sentence that says what is looked at, in parts: [before, count, behind]; `isShort` as of whereText. */
+export function sentenceOf(step, last, isShort) {
   const { answer, near, number } = step;
   const before = near ? `Question ${number}: ` : `Step ${number} of ${last}: `;
   const cut = answer.status !== "OK" ? `: ${answer.status}`
@@ -153,5 +159,5 @@ export function sentenceOf(step, last) {
     : !near && answer.toi_first !== null ? `${answer.mode === "first" ? "" : ", the first"} at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
   const none = isOfBounds(step) ? `; ${count(step.contacts.count)} ${step.contacts.count === 1 ? "has" : "have"} something within ${digits(step.asked.distance)}`
     : !near ? startText(step, answer.total === 0 && !cut) : "";
-  return [before, answer.total, ` ${answer.total === 1 ? one : many}${isOfBounds(step) ? "" : whereText(step)}${first}${answer.total > 0 ? asked : ""}${none}${cut}`];
+  return [before, answer.total, ` ${answer.total === 1 ? one : many}${isOfBounds(step) ? "" : whereText(step, isShort)}${first}${answer.total > 0 ? asked : ""}${none}${cut}`];
 }
