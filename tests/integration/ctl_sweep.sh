@@ -154,7 +154,15 @@ ends 4 'no two shapes may meet' sweep --srdf r.srdf --state up r.urdf &&
     says 'may meet 0$' && fails 4 'r.urdf:1: no SRDF: it has links' sweep --srdf r.urdf r.urdf &&
     fails 4 'bad.srdf:1: the URDF has no link "leg"' sweep --srdf bad.srdf r.urdf &&
     fails 4 'r.srdf:1: there is no group_state "down"' sweep --srdf r.srdf --state down r.urdf
-report "SRDF leaves pairs out and has states"
+urdf "<visual/>" "revolute $limit" "<link name=\"hand\">$box</link><joint name=\"j\" type=\"fixed\">
+    <parent link=\"arm\"/><child link=\"hand\"/></joint>" &&
+    ctl sweep --joint elbow=-1.5:0 r.urdf &&
+    says '^note +link arm has a <visual> and no' 'note +elbow goes beyond its limits, -1 to 1' &&
+    ctl sweep --json --joint elbow=-1.5:0 r.urdf && grep -A1 '"beyond_limits"' out | grep -q elbow &&
+    grep -A1 '"without_collision"' out | grep -q arm && sed -i 's/3 0 0/0 0 0/' r.urdf &&
+    echo '<robot><group_state name="up" group="g"/></robot>' >up.srdf &&
+    { ctl sweep --srdf up.srdf r.urdf; [ $? -eq 1 ]; } && says '--state, one of up$'
+report "SRDF leaves pairs out and has states; what is not compared is named"
 
 # Otherwise a scene file would be swept without its joints, or checked as if it had none.
 printf 'v 3 0 0\nv 4 0 0\nv 3 1 0\nf 1 2 3\n' >part.obj

@@ -56,7 +56,7 @@ void sweep_report_begin(FILE *to, const struct sweep *sweep)
             tool_shown(robot->path), robot->joint_count, robot->part_count,
             robot->shape_count, sweep->pair_count);
     if (sweep->clearance > 0) {
-        fprintf(to, "clearance  %s: what comes nearer is a jam\n",
+        fprintf(to, "clearance  %s: what comes as near is a jam\n",
                 tool_shown_number(sweep->clearance));
     }
     for (size_t i = 0; i < robot->pair_count; i++) {
@@ -119,19 +119,51 @@ static bool is_within_bracket(const struct sweep *sweep, const struct sweep_jam 
     return jam->at.ends[0][1] - jam->at.ends[0][0] <= sweep->bracket;
 }
 
+/* Return whether a joint, or one that follows, goes beyond its limits in the range. What
+ * limits leave to rounding is not beyond. */
+static bool is_beyond(const struct robot *robot, const struct sweep_range *range,
+                      const double *values, uint32_t index)
+{
+    const struct robot_joint *joint = &robot->joints[index];
+    bool follows = joint->leader != ROBOT_NONE;
+    uint32_t own = follows ? joint->leader : index;
+    double ends[2] = {values[own], values[own]};
+    double slack = 1e-9 * fmax(fabs(joint->range[0]), fabs(joint->range[1]));
+    bool is_limited = joint->kind != PCCD_JOINT_FIXED && !joint->is_endless &&
+                      joint->range[0] < joint->range[1];
+    for (uint32_t k = 0; k < range->count; k++) {
+        if (range->joints[k] == own) {
+            ends[0] = range->ends[k][0];
+            ends[1] = range->ends[k][1];
+        }
+    }
+    for (int k = 0; k < 2 && follows; k++) {
+        ends[k] = joint->factor * ends[k] + joint->offset;
+    }
+    return is_limited && (fmin(ends[0], ends[1]) < joint->range[0] - slack ||
+                          fmax(ends[0], ends[1]) > joint->range[1] + slack);
+}
+
 void sweep_report_range(FILE *to, const struct sweep *sweep,
                         const struct sweep_range *range, const double *values,
                         const struct sweep_answer *answer)
 {
     const struct robot *robot = sweep->robot;
     const struct sweep_box *whole = (const struct sweep_box *)range->ends;
-    (void)values;
     fprintf(to, "joint      ");
     if (range->count == 1) {
         fprintf(to, "%s ", tool_shown(robot->joints[range->joints[0]].name));
     }
     print_box(to, robot, range, whole);
     fprintf(to, ": %s\n", sweep_verdict_name(answer->verdict));
+    for (uint32_t i = 0; i < robot->joint_count; i++) {
+        if (is_beyond(robot, range, values, i)) {
+            fprintf(to, "  note       %s goes beyond its limits, ",
+                    tool_shown(robot->joints[i].name));
+            print_values(to, robot, i, robot->joints[i].range);
+            fprintf(to, "\n");
+        }
+    }
     for (uint32_t i = 0; i < answer->jam_count; i++) {
         const struct sweep_jam *jam = &answer->jams[i];
         fprintf(to, "  jams       at ");
@@ -225,13 +257,16 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
 {
     const struct robot *robot = sweep->robot;
     json_t *value = json_object(), *others = json_object();
-    json_t *jams = json_array(), *gaps = json_array();
+    json_t *jams = json_array(), *gaps = json_array(), *beyond = json_array();
     bool ok = true;
     for (uint32_t i = 0; i < robot->joint_count; i++) {
         bool is_swept = robot->joints[i].kind == PCCD_JOINT_FIXED;
         for (uint32_t k = 0; k < range->count; k++) {
             is_swept = is_swept || range->joints[k] == i ||
                        robot->joints[i].leader == range->joints[k];
+        }
+        if (is_beyond(robot, range, values, i)) {
+            json_append(beyond, json_text(robot->joints[i].name), &ok);
         }
         if (!is_swept) {
             json_set(others, tool_shown(robot->joints[i].name), json_real(values[i]),
@@ -254,6 +289,7 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
     json_set(value, "range",
              box_json(robot, range, (const struct sweep_box *)range->ends, &ok), &ok);
     json_set(value, "others", others, &ok);
+    json_set(value, "beyond_limits", beyond, &ok);
     json_set(value, "verdict", json_string(sweep_verdict_name(answer->verdict)), &ok);
     json_set(value, "jams", jams, &ok);
     json_set(value, "undecided", json_real(answer->undecided), &ok);
