@@ -39,6 +39,8 @@ refused() {
 # and all that come after it, and says that the file is right.
 refused '3: link "arm": scale="2" of <mesh> has 1 of 3 numbers' \
     "$(solid '<mesh filename="a.obj" scale="2"/>')" "revolute $limit" &&
+    refused '3: link "arm": filename="" of <mesh> names no file' \
+        "$(solid '<mesh filename=""/>')" "revolute $limit" &&
     refused '3: link "arm": size="1 2" of <box> has 2 of 3 numbers' \
         "$(solid '<box size="1 2"/>')" "revolute $limit" &&
     refused '3: link "arm": rpy="0 1" of <origin> has 2 of 3 numbers' \

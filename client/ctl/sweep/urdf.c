@@ -92,6 +92,10 @@ static void take_geometry(struct reader *reader, const struct xml_element *of,
     to->form = forms[form].form;
     if (to->form == ROBOT_MESH) {
         to->path = needed(reader, of, "filename", whose);
+        if (to->path[0] == '\0' && reader->xml->status == PCCD_OK) {
+            xml_refuse(reader->xml, of, "%s: filename=\"\" of <mesh> names no file",
+                       whose);
+        }
     }
     for (uint32_t k = 0; k < 2 && forms[form].numbers[k] != NULL; k++) {
         const char *name = forms[form].numbers[k];
