@@ -108,6 +108,7 @@ static void tell(struct pccd_client *client, enum pccd_format format, const void
     const size_t bytes = VERTICES * (format == PCCD_FORMAT_F64 ? 24 : 12);
     const char *at = x;
     struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
+                                            .what = PCCD_OBJECT_RADIUS,
                                             .radius = 5e-324 /* which DAZ takes for 0 */};
     struct pccd_near_settings near = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;

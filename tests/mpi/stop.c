@@ -436,8 +436,7 @@ static void cancel(void)
         }
         const struct pccd_near_settings near = {.struct_bytes = sizeof near,
                                                 .what = (enum pccd_near_what)(mode % 3),
-                                                .distance = 1e-6,
-                                                .end = 1};
+                                                .distance = 1e-6};
         cancel_by(mode % test.size, NULL, &near);
     }
     pccd_mpi_cancel(test.world); /* nothing is there to be cancelled */

@@ -16,14 +16,13 @@ from support import TENT, TENT_TRIANGLES, Scene, dropped
 
 
 HEAD, CHUNK = struct.Struct("<8sII"), struct.Struct("<IHHQQQQQ")
-FEATURE_NEAR = 8
-FRAME, MOVE, TUNING, NEAR, NEAR_ANSWER, NEAR_RECORDS, TELLS = 7, 18, 19, 20, 21, 22, 26
-FEATURE_TELLS = 64
+FRAME, ANSWER, RECORDS, MOVE, NEAR = 7, 8, 9, 18, 20  # client/record/format.h
+ASKED = struct.Struct("<Q12I6dQ64s")  # record_frame of client/record/payload.h
 
 
 def chunks(path):
-    """Features of a recording that is not compressed, and its chunks: (kind, step or
-    first word, payload)."""
+    """The chunks of a recording that is not compressed: (kind, step or first word,
+    payload)."""
     with open(path, "rb") as file:
         data = file.read()
     at, found = HEAD.size, []
@@ -33,7 +32,7 @@ def chunks(path):
         payload = data[at + CHUNK.size:at + CHUNK.size + size]
         found.append((kind, struct.unpack_from("<Q", payload)[0], payload))
         at += CHUNK.size + (stored + 7) // 8 * 8
-    return HEAD.unpack_from(data)[2], found
+    return found
 
 
 class Near(Case):
@@ -126,24 +125,25 @@ class Near(Case):
                             tuning="still=anew").release()
                 client.step_x1(scene, tent, TENT).release()
                 self.assertEqual(client.record_stop().status, 0)
-                features, found = chunks(f"{folder}/near.rec")
-            self.assertTrue(features & FEATURE_NEAR)
+                found = chunks(f"{folder}/near.rec")
             order = [(kind, step) for kind, step, _ in found
                      if kind in (FRAME, MOVE, NEAR)]
             moved = [(MOVE, 0)] if name else []
             self.assertEqual(order, [(NEAR, 1), *moved, (NEAR, 2), (FRAME, 3)])
             asked = {step: payload for kind, step, payload in found if kind == NEAR}
-            self.assertEqual(struct.unpack_from("<8I2d", asked[1], 8),
-                             (scene, 0, 0, 1, 0, 0, 0, 0, 1.0, 0.0))
-            self.assertEqual(struct.unpack_from("<8I2d", asked[2], 8),
-                             (scene, 1, 2, 0, 0, 0, 0, 0, 0.5, 0.0))
-            self.assertEqual(len(asked[1]), 64)
-            self.assertGreater(len(asked[2]), 64 + 32 + TENT.nbytes - 1)
-            at = [kind for kind, *_ in found].index(TUNING)
-            self.assertEqual(found[at + 1][:2], (NEAR, 2))
-            self.assertEqual([step for kind, step, _ in found if kind == NEAR_ANSWER],
-                             [1, 2])
-            sizes = [len(payload) for kind, _, payload in found if kind == NEAR_RECORDS]
+            for step, moved, what, end, distance, tuning in (
+                    (1, 0, pccd.NearWhat.PAIRS, 1, 1.0, b""),
+                    (2, 1, pccd.NearWhat.VERTICES, 0, 0.5, b"still=anew")):
+                said = ASKED.unpack_from(asked[step])
+                self.assertEqual((said[1:3], said[8:10], said[17], said[20].rstrip(b"\0")),
+                                 ((scene, moved), (what, end), distance, tuning))
+            self.assertEqual(len(asked[1]), ASKED.size)
+            self.assertGreater(len(asked[2]), ASKED.size + 32 + TENT.nbytes - 1)
+            near = [(step, struct.unpack_from("<I", payload, 12)[0])
+                    for kind, step, payload in found if kind == ANSWER]
+            self.assertEqual(near, [(1, 1), (2, 1), (3, 0)])
+            sizes = [len(payload) for kind, step, payload in found
+                     if kind == RECORDS and step < 3]
             self.assertEqual(sizes, [32 + 64, 32 + (2 if name else 1) * 6 * 8])
 
     # If this failed, surfaces that pass through each other from the start would be taken
@@ -171,10 +171,10 @@ class Near(Case):
                 with client.near(scene, "nearest") as answer:
                     self.assertEqual(answer.near["kind"].tolist(), [pccd.NearKind.EF])
                 self.assertEqual(client.record_stop().status, 0)
-                features, found = chunks(f"{folder}/told.rec")
-            self.assertTrue(features & FEATURE_TELLS)
-            order = [kind for kind, *_ in found if kind in (FRAME, NEAR, TELLS)]
-            self.assertEqual(order, [TELLS, FRAME, FRAME, TELLS, NEAR, NEAR])
+                found = chunks(f"{folder}/told.rec")
+            tells = [(kind, ASKED.unpack_from(payload)[5]) for kind, _, payload in found
+                     if kind in (FRAME, NEAR)]
+            self.assertEqual(tells, [(FRAME, 1), (FRAME, 0), (NEAR, 1), (NEAR, 0)])
             client.close()
 
     def move_by_near(self, client, scene):
