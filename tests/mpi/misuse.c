@@ -290,7 +290,7 @@ static int no_handle(void)
 
 static int no_settings(void)
 {
-    const struct pccd_object_settings settings = {.what = 0};
+    const struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
     return pccd_mpi_object_set(test.world, test.object, test.is_last ? NULL : &settings);
 }
 
