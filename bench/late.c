@@ -629,7 +629,8 @@ static void measure_rounds(struct late *late, const char *name, bool smoke,
         (void)usleep(1000); /* as one who waits: processors sleep */
         bench_add(&bare, bench_ping_us(late->client));
     }
-    bench_check(cancel.count + deadline.count > 0, name, "every step was done in time");
+    bench_check(smoke || cancel.count + deadline.count > 0, name,
+                "every step was done in time");
     struct bench_side rows[] = {
         {.what = "cancel", .unit = "us", .threads = threads, .samples = cancel},
         {.what = "deadline", .unit = "us", .threads = threads, .samples = deadline},
