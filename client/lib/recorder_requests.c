@@ -47,37 +47,33 @@ int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t obj
 
 /* ---- movements --------------------------------------------------------------------- */
 
+/* What a step and a question both say. */
+#define OF_BOTH(request)                                                                 \
+    .step = (request)->step, .scene = (request)->scene,                                  \
+    .segment_count = (request)->segments, .method = (request)->method,                   \
+    .threads = (request)->threads, .deadline_ns = (request)->deadline_ns
+
 static struct record_frame near_of(const struct proto_SCENE_NEAR_request *request)
 {
-    return (struct record_frame){.step = request->step,
-                                 .scene = request->scene,
-                                 .segment_count = request->segments,
-                                 .method = request->method,
-                                 .threads = request->threads,
+    return (struct record_frame){OF_BOTH(request),
                                  .tells = request->tells_crossings,
                                  .what = request->what,
                                  .end = request->end,
                                  .objects = {request->object_a, request->object_b},
                                  .distance = request->distance,
-                                 .gap = request->gap,
-                                 .deadline_ns = request->deadline_ns};
+                                 .gap = request->gap};
 }
 
 static struct record_frame frame_of(const struct proto_FRAME_SUBMIT_request *request)
 {
-    return (struct record_frame){.step = request->step,
-                                 .scene = request->scene,
-                                 .segment_count = request->segments,
-                                 .method = request->method,
-                                 .threads = request->threads,
+    return (struct record_frame){OF_BOTH(request),
                                  .tells = request->tells_start,
                                  .mode = request->mode,
                                  .touching = request->touching,
                                  .tolerance = request->tolerance,
                                  .separation = request->separation,
                                  .approach = request->approach,
-                                 .resolution = request->resolution,
-                                 .deadline_ns = request->deadline_ns};
+                                 .resolution = request->resolution};
 }
 
 int cli_record_motion(struct pccd_client *client, int method,
