@@ -47,7 +47,7 @@ int cli_record_put_name(struct pccd_client *client, uint32_t scene, uint32_t obj
 
 /* ---- movements --------------------------------------------------------------------- */
 
-/* What a step and a question both say. */
+/* Set what a step and a question both say. */
 #define OF_BOTH(request)                                                                 \
     .step = (request)->step, .scene = (request)->scene,                                  \
     .segment_count = (request)->segments, .method = (request)->method,                   \
