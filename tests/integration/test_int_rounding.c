@@ -13,6 +13,7 @@
 #define SIDE      48u
 #define VERTICES  (SIDE * SIDE)
 #define TRIANGLES (2 * (SIDE - 1) * (SIDE - 1))
+#define FEW       8 /* triangles, in the first two rows */
 #define TEAM      2
 
 static const int directions[] = {FE_TONEAREST, FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO};
@@ -96,42 +97,60 @@ static void make_sheets(void)
     }
 }
 
-/* Answers about the scene. */
+/* Answers about the scene; what is thick, about a few of its triangles. */
 struct told {
-    uint64_t hash[2], near_hash[2], total, near_total, degenerate;
+    uint64_t hash[2], near_hash[2], thick_hash[2];
+    uint64_t total, near_total, thick_total, degenerate;
     double safe_step, part, reached[VERTICES][3];
 };
+
+/* The first `count` triangles of both sheets, and how the second one falls. */
+struct sheets_scene {
+    uint32_t scene, object[2];
+    struct pccd_motion motion;
+};
+
+static struct sheets_scene make_scene(struct pccd_client *client, enum pccd_format format,
+                                      const void *x, uint32_t count, struct told *told)
+{
+    const size_t bytes = VERTICES * (format == PCCD_FORMAT_F64 ? 24 : 12);
+    const char *at = x;
+    const uint32_t vertices = count == TRIANGLES ? VERTICES : 2 * SIDE;
+    struct sheets_scene made;
+    struct pccd_mesh_info info;
+    uint32_t mesh;
+
+    EXPECT(pccd_scene_create(client, NULL, &made.scene) == 0);
+    for (int i = 0; i < 2; i++) {
+        EXPECT(pccd_mesh_create(client, at + 2 * (size_t)i * bytes, format, vertices,
+                                (const uint32_t(*)[3])triangles, count, &mesh,
+                                &info) == 0);
+        told->degenerate += info.degenerate_count;
+        EXPECT(pccd_scene_add(client, made.scene, mesh, &made.object[i]) == 0);
+    }
+    made.motion = (struct pccd_motion){.object = made.object[1],
+                                       .count = vertices,
+                                       .format = format,
+                                       .x0 = at + 2 * bytes,
+                                       .x1 = at + 3 * bytes};
+    return made;
+}
 
 static void tell(struct pccd_client *client, enum pccd_format format, const void *x,
                  double distance, struct told *told)
 {
-    const size_t bytes = VERTICES * (format == PCCD_FORMAT_F64 ? 24 : 12);
-    const char *at = x;
     struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
                                             .what = PCCD_OBJECT_RADIUS,
                                             .radius = 5e-324 /* which DAZ takes for 0 */};
     struct pccd_near_settings near = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct pccd_mesh_info info;
-    uint32_t scene, mesh[2], object[2];
     const struct common_rounding before = common_rounding_now();
+    void *const to[1] = {told->reached};
 
     memset(told, 0, sizeof *told);
-    EXPECT(pccd_scene_create(client, NULL, &scene) == 0);
-    for (int i = 0; i < 2; i++) {
-        EXPECT(pccd_mesh_create(client, at + 2 * (size_t)i * bytes, format, VERTICES,
-                                (const uint32_t(*)[3])triangles, TRIANGLES, &mesh[i],
-                                &info) == 0);
-        EXPECT(is_the_same(before, common_rounding_now()));
-        told->degenerate += info.degenerate_count;
-        EXPECT(pccd_scene_add(client, scene, mesh[i], &object[i]) == 0);
-    }
-    const struct pccd_motion motion = {.object = object[1],
-                                       .count = VERTICES,
-                                       .format = format,
-                                       .x0 = at + 2 * bytes,
-                                       .x1 = at + 3 * bytes};
-    EXPECT(pccd_step(client, scene, &motion, 1, NULL, &answer) == 0);
+    struct sheets_scene all = make_scene(client, format, x, TRIANGLES, told);
+    EXPECT(is_the_same(before, common_rounding_now()));
+    EXPECT(pccd_step(client, all.scene, &all.motion, 1, NULL, &answer) == 0);
     EXPECT(is_the_same(before, common_rounding_now()));
     memcpy(told->hash, answer.hash, sizeof told->hash);
     told->total = answer.total;
@@ -139,16 +158,24 @@ static void tell(struct pccd_client *client, enum pccd_format format, const void
     pccd_answer_release(client, &answer);
     near.what = PCCD_NEAR_PAIRS;
     near.distance = distance;
-    EXPECT(pccd_ask_near(client, scene, NULL, 0, &near, &answer) == 0);
+    EXPECT(pccd_ask_near(client, all.scene, NULL, 0, &near, &answer) == 0);
     memcpy(told->near_hash, answer.hash, sizeof told->near_hash);
     told->near_total = answer.total;
     pccd_answer_release(client, &answer);
-    EXPECT(pccd_object_set(client, scene, object[0], &settings) == 0);
-    void *const to[1] = {told->reached};
-    EXPECT(pccd_step_safe(client, scene, &motion, 1, NULL, to, &told->part, &answer) ==
-           0);
+    EXPECT(pccd_step_safe(client, all.scene, &all.motion, 1, NULL, to, &told->part,
+                          &answer) == 0);
     pccd_answer_release(client, &answer);
-    EXPECT(pccd_scene_destroy(client, scene) == 0);
+    EXPECT(pccd_scene_destroy(client, all.scene) == 0);
+    EXPECT(is_the_same(before, common_rounding_now()));
+
+    /* So small a radius leaves every pair to exact integers: few triangles. */
+    struct sheets_scene few = make_scene(client, format, x, FEW, told);
+    EXPECT(pccd_object_set(client, few.scene, few.object[0], &settings) == 0);
+    EXPECT(pccd_step(client, few.scene, &few.motion, 1, NULL, &answer) == 0);
+    memcpy(told->thick_hash, answer.hash, sizeof told->thick_hash);
+    told->thick_total = answer.total;
+    pccd_answer_release(client, &answer);
+    EXPECT(pccd_scene_destroy(client, few.scene) == 0);
     EXPECT(is_the_same(before, common_rounding_now()));
 }
 
@@ -215,7 +242,8 @@ static int set_up(void **state)
     right = job.told;
     return right.plain.total > 500 && right.plain.near_total > 100 &&
                    right.small.total > 500 && right.thin.total > 500 &&
-                   right.small.near_total > 100
+                   right.small.near_total > 100 && right.plain.thick_total > 0 &&
+                   right.small.thick_total > 0 && right.thin.thick_total > 0
                ? 0
                : -1;
 }
