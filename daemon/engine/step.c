@@ -494,8 +494,6 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     if (is_part) {
         eng_part_leave(scene);
     }
-    eng_worker_trace(team.workers[0], PCCD_TRACE_STEP, begin_ns, eng_detect_size(scene),
-                     team.count);
     r.times.step = common_now_ns() - begin_ns + staged_ns;
     if (!team.search) {
         team.method->end(&team, &r, r.times.step - staged_ns);
@@ -560,9 +558,16 @@ static void tell_start(struct eng_scene *scene, const struct eng_question *quest
 static int whole_step(struct eng_scene *scene, const struct eng_question *question,
                       struct eng_step_result *result)
 {
+    uint64_t begin_ns = question->trace ? common_now_ns() : 0;
     int status = step(scene, question, result);
     if (status == PCCD_OK && question->tells_start) {
         tell_start(scene, question, result);
+    }
+    if (status == PCCD_OK && question->trace) {
+        const struct pccd_trace_event event = {begin_ns,        common_now_ns(),
+                                               PCCD_TRACE_STEP, question->track,
+                                               eng_detect_size(scene), result->threads};
+        eng_trace_add(question->trace, event);
     }
     return status;
 }

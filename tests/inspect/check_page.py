@@ -17,6 +17,7 @@ import tempfile
 import unittest
 
 from browser import Browser, is_here
+from page import Page
 from scene import (BAR, FRAMES, NAME, POST, RADIUS, TIP, ObjectsScene, Scene,
                    ThickScene, TurningScene, faces, pccdctl, positions, record_frames)
 
@@ -63,6 +64,26 @@ PIXELS = """
       done([...counts].map(([colour, many]) => [colour.split(',').map(Number), many]));
     };
     image.src = `data:image/png;base64,${png}`;"""
+
+
+# How many contacts the bars over the list tell of, how many the buttons of the kinds that
+# are listed; and whether the bars are other ones than the last time.
+DRAWN = """
+    const canvas = document.getElementById('histogram');
+    const {left, top, width} = canvas.getBoundingClientRect();
+    const number = (text) => Number(text.split(' ')[0].replaceAll('\u202f', ''));
+    const tips = Array.from({length: 60}, (_, bin) => {
+      canvas.dispatchEvent(new PointerEvent('pointermove',
+        {clientX: left + (bin + 0.5) / 60 * width, clientY: top + 5}));
+      return [...document.querySelectorAll('#tip div')];
+    }).flat();
+    canvas.dispatchEvent(new PointerEvent('pointerleave'));
+    const before = window.bars;
+    window.bars = canvas.toDataURL();
+    const buttons = document.querySelectorAll('.kind-button[aria-pressed=true] b');
+    return [...[tips, [...buttons]].map((all) =>
+      all.reduce((sum, {textContent}) => sum + number(textContent), 0)),
+      window.bars !== before];"""
 
 
 def number(text):
@@ -140,6 +161,10 @@ class InBrowser(unittest.TestCase):
     def pixels(self, selector):
         """The colours of an element as it is seen: [[red, green, blue], how many]."""
         return self.browser.run_async(PIXELS, self.browser.picture_of(selector))
+
+    def assertDrawn(self, many, is_other=True):
+        """By the bars over the list, and by the kinds that are listed."""
+        self.assertEqual(self.browser.run(DRAWN), [many, many, is_other])
 
     def axe(self):
         """That axe has nothing to say, by WCAG 2.2 AA and its own best practice."""
@@ -255,7 +280,11 @@ class Opened(InBrowser):
         said = self.scene.steps[self.value("index")]
         self.browser.click("#kind-vf")
         self.assertEqual(number(self.text("picked").split(" of ")[0]), said["ee"])
+        self.assertDrawn(said["ee"])
         self.browser.click("#kind-vf")
+        self.set("find", "vertex")
+        self.assertDrawn(said["vf"])
+        self.set("find", "")
         self.browser.run("pccd.state.set({range: [0.25, 0.5]})")
         times = self.scene.times(self.value("index") + 1)
         self.assertEqual(len(self.value("picked")),
@@ -423,8 +452,15 @@ class Opened(InBrowser):
             self.browser.click(f"#go-{button}")
             self.assertEqual(self.value("chosen"), self.value("picked")[place])
             self.assertEqual(self.text("place"),
-                             f"{place + 1} of {said['contacts']}, by time")
+                             f"row {place + 1} of {said['contacts']}, by time")
         self.assertEqual(self.facts("detail-facts")["time"], f"t = {times[1]:.4g}")
+        # The two numbers of a contact say what they count, in each order of the list.
+        chosen = self.value("chosen")
+        self.assertEqual(self.facts("detail-facts")["number"],
+                         f"{chosen + 1} in file order")
+        self.set("order", "record")
+        self.assertEqual(self.text("place"),
+                         f"row {chosen + 1} of {said['contacts']}, in file order")
 
     # If it failed, a page would open where nothing is to be seen yet, or long after, and
     # not say which moment that is.
@@ -518,10 +554,10 @@ class Opened(InBrowser):
         self.assertEqual(facts["first"], f"vertex {row['i0']}, the line is its way")
         self.assertEqual(shlex.split(facts["drawn by"]), [
             "pccdctl", "render", NAME, "--steps", str(number), "--at", "contact 1"])
-        for name, of in (("place", "a"), ("normal", "n")):
+        for name, of, error in (("place", "a", 0.02), ("normal", "n", 1e-4)):
             given = [float(x) for x in facts[name].strip("()").split(",")]
             true = [float(row[of + axis]) for axis in "xyz"]
-            self.assertLess(math.dist(given, true), 0.02)
+            self.assertLess(math.dist(given, true), error)
         self.browser.click("#copy")
         self.browser.wait("return window.copied")
         copied = self.browser.run("return window.copied")
@@ -715,6 +751,15 @@ DOT = """
     return [-2, 2].map((away) =>
       [...copy.getImageData(Math.round(x * ratio), Math.round(y * ratio) + away, 1, 1)
         .data]);"""
+# Names, and what stands beside them, that are cut.
+CUT = """
+    const names = 'h1, .chip, #sentence, #detail dd, #objects .name';
+    return [...document.querySelectorAll(names)].filter((one) => {
+      const [its, of] = [one, one.parentElement].map((of) => of.getBoundingClientRect());
+      return one.scrollWidth > one.clientWidth + 1
+        || one.scrollHeight > one.clientHeight + 1
+        || its.left < of.left - 1 || its.right > of.right + 1 || its.width === 0;
+    }).map((one) => one.textContent);"""
 IN_SIGHT = "return pccd.view.partInSight(pccd.data.step(pccd.state.values.index))"
 
 
@@ -748,6 +793,7 @@ class Objects(InBrowser):
         for at, (pair, many) in enumerate(sorted(both.items()), 1):
             self.set("pair", f"0,{at}")
             self.assertEqual(len(self.value("picked")), many)
+            self.assertDrawn(many, at == 1)  # both have theirs at the same times
             self.assertIn(" and ".join(pair), self.text("pair"))
         cut = self.browser.run("""
             return [...document.querySelectorAll('#contact-rows .features > span')]
@@ -772,6 +818,24 @@ class Objects(InBrowser):
             self.assertGreater(len(found), 0)
             self.assertTrue(all(feature in row for row in found), (feature, found))
         self.assertEqual(self.browser.said(), [])
+
+    # If it failed, what threads did would be drawn for a part of the time that its phases
+    # have.
+    def test_lanes__reach_to_the_end_of_a_step_that_tells_its_start(self):
+        [step] = Page(self.objects.page).meta["steps"]
+        times = step["answer"]["times"]
+        self.assertTrue(step["tells_start"])
+        self.assertGreaterEqual(step["events"]["ns"], times["step"] - times["ingest"])
+
+    # If it failed, a name that is long would be cut, or cut what stands beside it.
+    def test_names__are_whole_in_any_width(self):
+        self.addCleanup(self.browser.resize_back)
+        self.browser.resize(1100, 760)
+        self.open(self.objects.page)
+        self.browser.run("document.getElementById('objects-fold').open = true")
+        self.assertEqual(self.browser.run(CUT), [])
+        self.browser.run("document.documentElement.style.fontSize = '32px'")
+        self.assertEqual(self.browser.run(CUT), [])
 
     # If it failed, half of a contact's dot would be within the face that it lies on.
     def test_dot__is_whole_on_a_face_that_is_tilted(self):
@@ -1038,8 +1102,10 @@ class Phone(InBrowser):
         self.assertTrue(self.browser.run("""
             const next = document.getElementById('go-next');
             const {left, top, width, height} = next.getBoundingClientRect();
-            return document.elementFromPoint(left + width / 2, top + height / 2) === next;
-            """))
+            const [row, around] = ['place', 'goes'].map((id) =>
+              document.getElementById(id).getBoundingClientRect());
+            return document.elementFromPoint(left + width / 2, top + height / 2) === next
+              && row.top >= around.top && row.bottom <= around.bottom;"""))
         self.picture("tapped")
         self.browser.run("pccd.state.set({playing: false})")
         self.browser.click("#detail-close")
@@ -1117,7 +1183,8 @@ class Near(InBrowser):
                          [f"vertex {i} of floor" for i in range(3)])
         self.browser.click("#contact-rows .row")
         self.assertEqual(self.facts("detail-facts"), {
-            "vertex": "vertex 0 of needle", "place": "(0.25, 0.25, 0.5)", "bound": "0.5"})
+            "vertex": "vertex 0 of needle", "place": "(0.25, 0.25, 0.5)", "bound": "0.5",
+            "number": "1 in file order"})
         self.assertFalse(self.is_seen("kind-vv"))
 
 

@@ -54,7 +54,7 @@ class Page:
         """Of the contacts of a step, with their kinds in bits 6 and 7."""
         contacts = self.meta["steps"][step]["contacts"]
         count = contacts["count"]
-        return self.section(contacts["at"], 32 * count)[31 * count:]
+        return self.section(contacts["at"], 35 * count)[34 * count:]
 
     def positions(self, step, end, item=0):
         """Of an object at the end "x0" or "x1" of a step: [[x, y, z], ...]."""

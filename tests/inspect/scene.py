@@ -157,7 +157,7 @@ class ObjectsScene:
         for name, text in texts.items():
             with open(os.path.join(folder, f"{name}.obj"), "w") as to:
                 to.write(f"{text}f 1 2 3\n")
-        self.files = "objects.json"
+        self.files = f"{POST.replace(' ', '-')}-with-its-hinges-and-bolts-{'x' * 20}.json"
         with open(os.path.join(folder, self.files), "w", encoding="utf-8") as to:
             json.dump({"pccd_scene": 1, "objects": [
                 {"name": name, "files": f"{files}.obj"}

@@ -12,7 +12,7 @@
 #include "recorded_state.h"
 #include "report.h"
 
-#define FORMAT 5 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 6 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u

@@ -70,8 +70,8 @@ uint64_t page_file_json_bytes(const json_t *value);
  *     joints     struct pccd_joint, as recorded
  *     contacts   of each column all: toi f64, u and v f32[2], feature_a u32, feature_b
  *                u32, object_a u16, object_b u16 (places in the step's list of objects),
- *                normal i8[3] (-127 .. 127 for -1 .. 1), flags u8 (enum pccd_contact_flag
- *                | enum pccd_kind << INSPECT_KIND_SHIFT)
+ *                normal i16[3] (-32767 .. 32767 for -1 .. 1), flags u8
+ *                (enum pccd_contact_flag | enum pccd_kind << INSPECT_KIND_SHIFT)
  *     boxes      struct pccd_box, in the same way as positions
  *     lines      struct inspect_line; events: struct inspect_event */
 

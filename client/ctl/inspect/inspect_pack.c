@@ -99,7 +99,7 @@ void bytes_deinit(struct bytes *bytes)
 }
 
 #define LEVELS        65535.0 /* of a rounded coordinate */
-#define CONTACT_BYTES 32u
+#define CONTACT_BYTES 35u
 
 /* Bytes of texts that are cut to fit. */
 #define OWNER_BYTES      128u
@@ -379,9 +379,9 @@ static bool find_object(const struct registry_scene *scene, uint32_t handle,
     return false;
 }
 
-static int8_t part_of(float value)
+static int16_t part_of(float value)
 {
-    return (int8_t)lrintf(fminf(fmaxf(value, -1), 1) * 127);
+    return (int16_t)lrintf(fminf(fmaxf(value, -1), 1) * 32767);
 }
 
 /* Find the places of a record's objects. Return false for a record that makes no sense:
@@ -410,7 +410,7 @@ static struct pccd_contact contact_of(const struct play_step *step, uint64_t i)
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step)
 {
     enum { TOI, PARAM, FEATURE_A, FEATURE_B, OBJECT_A, OBJECT_B, NORMAL, FLAGS, COLUMNS };
-    static const size_t sizes[COLUMNS] = {8, 8, 4, 4, 2, 2, 3, 1};
+    static const size_t sizes[COLUMNS] = {8, 8, 4, 4, 2, 2, 6, 1};
     bool has_records = step->contacts != NULL || step->pairs != NULL;
     uint64_t count = has_records && step->scene != NULL ? step->found.count : 0;
     uint64_t packed = 0;
@@ -435,8 +435,8 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
         if (!makes_sense(step->scene, &from, &a, &b)) {
             continue;
         }
-        const int8_t normal[3] = {part_of(from.normal[0]), part_of(from.normal[1]),
-                                  part_of(from.normal[2])};
+        const int16_t normal[3] = {part_of(from.normal[0]), part_of(from.normal[1]),
+                                   part_of(from.normal[2])};
         const uint8_t flags =
             (uint8_t)((from.flags & (PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE)) |
                       from.kind << INSPECT_KIND_SHIFT);

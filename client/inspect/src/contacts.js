@@ -3,18 +3,17 @@
 import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js";
 import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
-import { pickContacts, readWords } from "./find.js";
+import { findContacts, readWords } from "./find.js";
 import { digits, featureText, firstOf, firstStepOf, flagText, isOfBounds, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
 const SPARE = 6; // rows beyond what is seen
 
-export function histogramOf(contacts, kinds) {
+/** How many of what is found have each kind in each part of the time. */
+function histogramOf({ toi, kind }, { found, kinds }) {
   const bins = Array.from({ length: BINS }, () => KINDS.map(() => 0));
-  for (let i = 0; i < contacts.count; i++) {
-    if (kinds[contacts.kind[i]]) {
-      bins[Math.min(BINS - 1, Math.floor(contacts.toi[i] * BINS))][contacts.kind[i]]++;
-    }
+  for (const i of found.filter((one) => kinds[kind[one]])) {
+    bins[Math.min(BINS - 1, Math.floor(toi[i] * BINS))][kind[i]]++;
   }
   return bins;
 }
@@ -27,8 +26,8 @@ function makeHistogram(data, state) {
 
   const draw = oncePerFrame(() => {
     const { context, width, height } = prepareCanvas(canvas);
-    const { index, kinds, range } = state.values;
-    const bins = histogramOf(data.step(index).contacts, kinds);
+    const { index, range } = state.values;
+    const bins = histogramOf(data.step(index).contacts, state.values);
     const highest = Math.max(1, ...bins.map(sumOf));
     const bar = width / BINS;
     bins.map(sumOf).forEach((sum, i) => {
@@ -58,9 +57,8 @@ function makeHistogram(data, state) {
   });
   canvas.addEventListener("pointermove", (event) => {
     const at = timeAt(event);
-    const bins = histogramOf(data.step(state.values.index).contacts, state.values.kinds);
-    const bin = bins[Math.min(BINS - 1, Math.floor(at * BINS))];
     const step = data.step(state.values.index);
+    const bin = histogramOf(step.contacts, state.values)[Math.min(BINS - 1, Math.floor(at * BINS))];
     showTip(event, step.near ? `distance ${digits(at * step.contacts.greatest)}` : `t = ${digits(at)}`, KINDS.flatMap(({ name }, kind) =>
       (bin[kind] > 0 ? [`${count(bin[kind])} ${name}`] : [])));
     if (from !== null && Math.abs(at - from) > 0.01) {
@@ -74,7 +72,7 @@ function makeHistogram(data, state) {
     from = null;
   });
   canvas.addEventListener("pointerleave", hideTip);
-  state.on(["index", "kinds", "range", "t", "theme"], draw);
+  state.on(["found", "kinds", "range", "t", "theme"], draw);
   new ResizeObserver(draw).observe(canvas);
 }
 
@@ -191,7 +189,7 @@ function makeGoing(data, state, { fly, show }) {
   state.on(["picked", "chosen"], ({ index, picked, chosen, order }) => {
     const focused = document.activeElement;
     const place = picked.indexOf(chosen);
-    const measure = order === "toi" ? measureOf(data.step(index)) : null;
+    const measure = measureOf(data.step(index));
     const isAlone = picked.length === 0 || (picked.length === 1 && place === 0);
     byId("go-earliest").hidden = !earliest || data.all.length === 1;
     byId("go-earliest").disabled = index === earliest?.index && chosen >= 0 && chosen === firstOf(data.step(index));
@@ -205,7 +203,7 @@ function makeGoing(data, state, { fly, show }) {
     if (focused?.disabled) { // it would be lost
       byId("contacts").focus();
     }
-    byId("place").textContent = place < 0 ? "" : `${count(place + 1)} of ${count(picked.length)}${measure ? `, by ${measure.name}` : ""}`;
+    byId("place").textContent = place < 0 ? "" : `row ${count(place + 1)} of ${count(picked.length)}, ${order === "toi" && measure ? `by ${measure.name}` : "in file order"}`;
   });
 }
 
@@ -220,23 +218,24 @@ function makeFilters(data, state) {
   byId("range-clear").addEventListener("click", () => state.set({ range: [0, 1] }));
   select.addEventListener("change", () => state.set({ pair: select.value }));
   find.addEventListener("input", () => state.set({ find: find.value }));
-  state.on(["index", "kinds"], ({ index, kinds }) => {
-    const { contacts } = data.step(index);
+  state.on(["found", "kinds", "range"], ({ index, found, kinds, range }) => {
+    const step = data.step(index);
+    const { kind: kindOf, toi } = step.contacts;
     const counts = KINDS.map(() => 0);
-    contacts.kind.forEach((kind) => counts[kind]++);
+    found.filter((i) => toi[i] >= range[0] && toi[i] <= range[1]).forEach((i) => counts[kindOf[i]]++);
     buttons.forEach((button, kind) => {
-      button.hidden = isOfBounds(data.step(index)) || counts[kind] === 0 && (data.step(index).near || data.meta.steps.every(({ answer }) => !answer[KINDS[kind].id]));
+      button.hidden = isOfBounds(step) || !(step.near ? kindOf.includes(kind) : data.meta.steps.some(({ answer }) => answer[KINDS[kind].id]));
       button.querySelector("b").textContent = count(counts[kind]);
       button.setAttribute("aria-pressed", String(kinds[kind]));
     });
   });
   state.on(["index", "pair"], ({ index, pair }) => {
     const step = data.step(index);
-    const pairs = pairsOf(step).map(({ a, b, count: many }) => ({ value: `${a},${b}`, text: `${pairText(step, a, b)}: ${count(many)}` }));
+    const pairs = pairsOf(step).map(({ a, b, count: many }) => ({ value: `${a},${b}`, text: `${pairText(step, a, b)}: ${count(many)} in all` }));
     if (pair !== "" && pairs.every(({ value }) => value !== pair)) { // none in this step
       const [a, b] = pair.split(",");
       if (step.objects[a] && step.objects[b]) {
-        pairs.push({ value: pair, text: `${pairText(step, a, b)}: 0` });
+        pairs.push({ value: pair, text: `${pairText(step, a, b)}: none` });
       } else {
         state.set({ pair: "" });
       }
@@ -244,6 +243,7 @@ function makeFilters(data, state) {
     select.replaceChildren(element("option", { value: "" }, isOfBounds(step) ? "all objects" : "all pairs of objects"),
       ...pairs.map(({ value, text }) => element("option", { value }, text)));
     select.value = state.values.pair;
+    select.title = select.selectedOptions[0].text;
     select.hidden = pairs.length < 2 && state.values.pair === "";
   });
   state.on(["find"], ({ find: text }) => {
@@ -262,10 +262,12 @@ export function makeContacts(data, state, does) {
   makeFilters(data, state);
   state.on(["index", "kinds", "range", "order", "pair", "find"], ({ index, ...filters }, changed) => {
     const step = data.step(index);
-    const picked = pickContacts(step, filters);
+    const { kind, toi } = step.contacts;
+    const found = findContacts(step, filters);
+    const picked = found.filter((i) => filters.kinds[kind[i]] && toi[i] >= filters.range[0] && toi[i] <= filters.range[1]);
     const isKept = picked.includes(filters.chosen) && !(changed.has("index") && !changed.has("chosen"));
     const isLeft = filters.chosen >= 0 && !isKept && changed.has("index") && !changed.has("t");
-    state.set({ picked, chosen: isKept ? filters.chosen : -1, ...(isLeft ? { t: 1 } : {}) }); // not its moment
+    state.set({ found, picked, chosen: isKept ? filters.chosen : -1, ...(isLeft ? { t: 1 } : {}) }); // not its moment
     const isCut = filters.range[0] > 0 || filters.range[1] < 1;
     const greatest = step.near ? step.contacts.greatest : 1;
     byId("range-clear").hidden = !isCut;
@@ -278,7 +280,7 @@ export function makeContacts(data, state, does) {
     const { unknown } = readWords(filters.find, step.objects);
     const hint = unknown.length > 0 ? `: no object is called “${unknown[0]}”; find vertex 3, edge 4-7, face 12, t<0.5, a name`
       : picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
-    byId("picked").textContent = `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
+    byId("picked").textContent = step.answer.status !== "OK" ? "none: it was not answered" : `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
   });
   makeGoing(data, state, does);
   makeHistogram(data, state);

@@ -6,11 +6,11 @@
 import { byId } from "./dom.js";
 import { makePose, readJoints } from "./joints.js";
 
-const FORMAT = 5;
+const FORMAT = 6;
 const KIND_SHIFT = 6; // of a contact's kind, over its flags
 export const INITIAL = 2;
 export const INSIDE = 4;
-const CONTACT_BYTES = 32;
+const CONTACT_BYTES = 35;
 const LINE_BYTES = 48;
 const EVENT_BYTES = 20;
 const BOX_BYTES = 48;
@@ -112,7 +112,7 @@ function readContacts(section, { at, count }) {
     featureB: column(Uint32Array),
     objectA: column(Uint16Array),
     objectB: column(Uint16Array),
-    normal: Float32Array.from(column(Int8Array, 3), (part) => part / 127),
+    normal: Float32Array.from(column(Int16Array, 3), (part) => part / 32767),
   };
   const flags = column(Uint8Array);
   return { ...made, kind: flags.map((its) => its >> KIND_SHIFT), flags: flags.map((its) => its & ((1 << KIND_SHIFT) - 1)) };

@@ -1,4 +1,4 @@
-// find.js - which records are listed: by kind, time, objects, and by what was typed.
+// find.js - which records are listed: by their objects, and by what was typed.
 
 import { FEATURES } from "./data.js";
 import { nameOfColour } from "./colours.js";
@@ -72,26 +72,26 @@ export function readWords(text, objects) {
   return { tests, unknown };
 }
 
-/** Places of the records that pass, in the order that is asked for. `pair`: "" or the two objects.
- * None passes where a word was not understood. */
-export function pickContacts(step, { kinds, range, order, find, pair }) {
+/** Places of the records that pass what was typed and the pair, in the order that is asked for.
+ * `pair`: "" or the two objects. None passes where a word was not understood. */
+export function findContacts(step, { order, find, pair }) {
   const { contacts } = step;
   const { tests, unknown } = readWords(find, step.objects);
   const [one, other] = pair === "" ? [] : pair.split(",").map(Number);
-  const picked = [];
+  const found = [];
   if (unknown.length > 0) {
-    return picked;
+    return found;
   }
   for (let i = 0; i < contacts.count; i++) {
     const toi = contacts.toi[i];
     const [a, b] = [contacts.objectA[i], contacts.objectB[i]];
     const isPair = pair === "" || (a === one && b === other) || (a === other && b === one);
-    if (kinds[contacts.kind[i]] && toi >= range[0] && toi <= range[1] && isPair) {
+    if (isPair) {
       const sides = tests.length > 0 ? ["a", "b"].map((side) => sideOf(step, i, side)) : [];
       if (tests.every(({ time, side }) => (time ? time(toi) : sides.some(side)))) {
-        picked.push(i);
+        found.push(i);
       }
     }
   }
-  return order === "toi" ? picked.sort((a, b) => contacts.toi[a] - contacts.toi[b] || a - b) : picked;
+  return order === "toi" ? found.sort((a, b) => contacts.toi[a] - contacts.toi[b] || a - b) : found;
 }

@@ -202,7 +202,7 @@ async function start() {
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
   const first = {
     index: busiest, absent: null, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi", find: "", pair: "",
-    camera: "", picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
+    camera: "", found: [], picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
     wires: triangles <= WIRES_MAX, opacity: 1, up: data.meta.up, engine: false, theme: "",
   };
   const said = readAddress(data);

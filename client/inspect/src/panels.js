@@ -15,6 +15,7 @@ function chip(text, title, className = "") {
   return element("span", { className: `chip ${className}`, title }, text);
 }
 
+const isRefused = ({ answer }) => answer.status !== "OK";
 const isComplete = ({ status, incomplete }) => status === "OK" && !INCOMPLETE[incomplete];
 
 /** Whether answers are complete and proved, as check says it: [text, title, class] of a chip. */
@@ -22,7 +23,8 @@ function completeness(all) {
   const cut = all.filter(({ answer }) => !isComplete(answer));
   const possible = all.reduce((sum, { answer: { mode, verdict, possible: its } }) => sum + its + (mode === "any" && verdict === 1 ? 1 : 0), 0);
   const isTimed = all.some(({ near, answer }) => !near && answer.mode !== "pairs");
-  return cut.length > 0 ? [`${plural(cut.length, "answer is", "answers are")} incomplete`,
+  return cut.length > 0 ? [cut.every(isRefused) ? plural(cut.length, "question was not answered", "questions were not answered")
+    : `${plural(cut.length, "answer is", "answers are")} incomplete`,
     cut.map(({ number, answer }) => `step ${number}: ${INCOMPLETE[answer.incomplete] || answer.status}`).slice(0, 10).join("; "), "warn"]
     : possible > 0 ? [`complete, ${count(possible)} not proved`, "every answer is complete; so many contacts are only possible", "warn"]
       : [`✓ complete${isTimed ? ", all proved" : ""}`, `every answer is complete${isTimed ? ", and no contact is only possible" : ""}`, "good"];
@@ -52,7 +54,7 @@ export function makeHead({ meta, all }) {
   document.title = `${recording.name} · pccd inspect`;
   byId("name").textContent = recording.name;
   const chips = [
-    chip(`${count(steps.length)} of ${plural(recording.steps, "step", "steps")}`,
+    chip(`${count(steps.length)} of ${plural(recording.steps, ...stepNoun(all))}`,
       meta.is_full ? `The page was full: nothing is known here of what comes after step ${all.at(-1).number}. See --every, --steps and --max-size`
         : meta.every > 1 ? `One in ${meta.every} is drawn, as --every or --max-size ask; bars, the first and the most are of all ${count(all.length)} that were played`
           : "in this page, and recorded",
@@ -67,6 +69,9 @@ export function makeHead({ meta, all }) {
   ];
   byId("chips").replaceChildren(...chips);
 }
+
+const stepNoun = (all) => (all.every(({ near }) => near) ? ["question", "questions"]
+  : all.some(({ near }) => near) ? ["step or question", "steps and questions"] : ["step", "steps"]);
 
 function fact(name, value, title = "") {
   return element("div", { className: "fact", title }, element("span", {}, name), element("b", {}, value));
@@ -106,16 +111,16 @@ function doneFacts({ answer, near, recorded, recorded_incomplete: reason }, all)
   const isTimed = !near && answer.mode !== "pairs";
   return [
     ...(recorded === "incomplete" ? [plainFact("as recorded", "incomplete", `${INCOMPLETE[reason]}; the page shows the answer computed to its end`)] : []),
-    ...(!isTold && isComplete(answer) && answer.possible === 0 ? [fact("answer", `complete${isTimed && answer.verdict !== 1 ? ", all proved" : ""}`)] : []),
+    ...(!isTold && isComplete(answer) && answer.possible === 0 ? [plainFact("answer", `complete${isTimed && answer.verdict !== 1 ? ", all proved" : ""}`)] : []),
   ];
 }
 
 /** What is worth a line of a step's answer, beside its sentence. */
 function stepFacts({ answer, turns }) {
   const isTimed = !["pairs", "any"].includes(answer.mode);
-  const isCrossed = answer.crossings + answer.start_inside > 0;
   return [
-    ...(isTimed ? [plainFact("safe step", digits(answer.safe_step), isCrossed ? "there is none from such a start" : "before this t no contact begins")] : []),
+    ...(isTimed ? [plainFact("safe step", digits(answer.safe_step), answer.safe_step > 0 ? "before this t no contact begins"
+      : answer.crossings > 0 ? "there is none from such a start" : answer.toi_first === 0 ? "the first contact is at the start" : "it is not known")] : []),
     ...(turns ? [plainFact("turning bodies", "on arcs", "drawn on the way that they turn, with their contacts; boxes of hierarchies go straight")] : []),
     ...(answer.initial > 0 ? [fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance")] : []),
     ...(answer.possible > 0 ? [fact("possible", count(answer.possible), "not proved")] : []),
@@ -132,7 +137,7 @@ export function makeAnswer(data, state) {
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
     byId("sentence").title = sentenceOf(step, data.all.at(-1).number, false).join("");
     byId("records-head").textContent = headOf(step);
-    byId("facts").replaceChildren(...(step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
+    byId("facts").replaceChildren(...(isRefused(step) ? [] : step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
     byId("engine-facts").replaceChildren(
       ...(step.near ? [] : [fact("mode", answer.mode)]),
       fact("method", `${answer.method}, ${answer.threads} thread${answer.threads === 1 ? "" : "s"}`),
@@ -216,8 +221,8 @@ function placeOf(step, i, { origin, unit, is_rounded: isRounded }, most) {
 /** "(0.1, 0.2, 0.3)" */
 const pointText = (x) => `(${x.map(digits).join(", ")})`;
 
-/** Of a 127th. */
-const normalOf = ({ contacts }, i) => [0, 1, 2].map((k) => Number(contacts.normal[3 * i + k].toFixed(2)));
+/** Of a 32767th. */
+const normalOf = ({ contacts }, i) => [0, 1, 2].map((k) => Number(contacts.normal[3 * i + k].toFixed(4)));
 
 /** What is known of a record: [name, text]. */
 function recordFacts(step, i, meta) {
@@ -233,6 +238,7 @@ function recordFacts(step, i, meta) {
     ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
     ...(measure && (step.near || apart > 0) ? [[isOfBounds(step) ? "bound" : "distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
+    ["number", `${i + 1} in file order`],
     ...(measure?.name === "time" ? [["drawn by", renderText(step, i, meta)]] : []),
   ];
 }

@@ -79,7 +79,7 @@ export function makeTimeline(data, state, show) {
       drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`found in each step, at most ${count(most)}`, width - 4, canvasText());
+    context.fillText(`all that was found in each step, at most ${count(most)}`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });

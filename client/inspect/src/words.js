@@ -148,8 +148,10 @@ export const nounOf = (step) => (step.near ? nearNoun(step)
 export function sentenceOf(step, last, isShort) {
   const { answer, near, number } = step;
   const before = near ? `Question ${number}: ` : `Step ${number} of ${last}: `;
-  const cut = answer.status !== "OK" ? `: ${answer.status}`
-    : INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
+  const cut = INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
+  if (answer.status !== "OK") {
+    return [before, "", `it was not answered (${answer.status})`];
+  }
   if (!near && answer.mode === "any") {
     return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does", "that is not known"][answer.verdict]}${startText(step, answer.verdict === 0)}${cut}`];
   }
