@@ -368,16 +368,16 @@ static const struct form {
     bool is_all;         /* they end with it */
     int (*judge)(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES]);
 } forms[RECORD_KINDS_MAX] = {
-#define WHOLE(type, ...) {sizeof(struct record_##type), true, __VA_ARGS__}
-#define HEAD(type)       {sizeof(struct record_##type), false, judge_##type}
-    [RECORD_BEGIN] = WHOLE(begin),
+#define WHOLE(type, judge) {sizeof(struct record_##type), true, judge}
+#define HEAD(type)         {sizeof(struct record_##type), false, judge_##type}
+    [RECORD_BEGIN] = WHOLE(begin, NULL),
     [RECORD_SCENE] = WHOLE(scene, judge_scene),
     [RECORD_OBJECT] = WHOLE(object, judge_object),
-    [RECORD_ANSWER] = WHOLE(answer),
-    [RECORD_SCENE_GONE] = WHOLE(gone),
-    [RECORD_MESH_GONE] = WHOLE(gone),
-    [RECORD_OBJECT_GONE] = WHOLE(gone),
-    [RECORD_END] = WHOLE(end),
+    [RECORD_ANSWER] = WHOLE(answer, NULL),
+    [RECORD_SCENE_GONE] = WHOLE(gone, NULL),
+    [RECORD_MESH_GONE] = WHOLE(gone, NULL),
+    [RECORD_OBJECT_GONE] = WHOLE(gone, NULL),
+    [RECORD_END] = WHOLE(end, NULL),
     [RECORD_MESH] = HEAD(mesh),
     [RECORD_PLACE] = HEAD(place),
     [RECORD_FRAME] = HEAD(frame),
