@@ -1,9 +1,9 @@
 # speed.gp - README's chart: what pccd takes by one thread, and others in the same run, in
 # milliseconds.
 #
-# A group of bars is of one run, and its longest bar is as long as those of the others: steps.txt has pccd by two instruction sets and the method of
-# the paper, peers.csv pccd and the fastest other library, allowed.csv (bench-allowed) pccd and
-# ipc-toolkit. Each bar is labelled where it stands.
+# A group of bars is of one run, and its longest bar is as long as those of the others: steps.txt
+# has pccd by two instruction sets and the method of the paper, peers.csv pccd and the fastest other
+# library, allowed.csv (bench-allowed) pccd and ipc-toolkit. Each bar is labelled where it stands.
 
 load scripts . '/common.gp'
 set output folder . '/speed.' . kind
@@ -26,20 +26,20 @@ bars = sprintf("< awk -v OFS='\t' '" . \
     "FILENAME ~ /steps/ && /^--cpu=avx2/ { avx2 = $2 }" . \
     "FILENAME ~ /steps/ && /^--method=paper/ && scene in told {" . \
     "    head(\"All contacts: \" told[scene]); bar(\"pccd, AVX-512\", best, 1);" . \
-    "    bar(\"pccd, AVX2\", avx2, 1); bar(\"method of the paper\", $2, 0) }" . \
+    "    bar(\"pccd, AVX2\", avx2, 1); bar(\"method of the PCCD paper\", $2, 0) }" . \
     "{ n = split($0, v, \",\") }" . \
     "FILENAME ~ /peers/ && v[2] == \"avx2\" && v[1] in told {" . \
     "    head(\"All contacts: \" told[v[1]]); bar(\"pccd, AVX2\", v[3], 1);" . \
-    "    bar(\"Embree, with our tests\", v[4], 0) }" . \
+    "    bar(\"Embree, exact tests by pccd\", v[4], 0) }" . \
     "FILENAME ~ /allowed/ && v[1] in told {" . \
-    "    head(\"How much of a step is safe: \" told[v[1]]); bar(\"pccd\", v[2], 1);" . \
+    "    head(\"Largest safe step: \" told[v[1]]); bar(\"pccd, AVX-512\", v[2], 1);" . \
     "    bar(\"ipc-toolkit, additive CCD\", v[3], 0);" . \
     "    bar(\"ipc-toolkit, Tight-Inclusion\", v[4], 0) }" . \
     "END { flush() }" . \
-    "' $(ls '%s/steps.txt' '%s/peers.csv' '%s/allowed.csv' 2>/dev/null)", folder, folder, folder)
+    "' $(ls -r '%s/steps.txt' '%s/peers.csv' '%s/allowed.csv' 2>/dev/null)", folder, folder, folder)
 
 set datafile separator "\t"
-set label 'Milliseconds by one thread. Each group is of one run; its longest bar is of full length' at screen 0.02, 0.965 font ',16'
+set label 'Milliseconds on one thread, less is better. Each group is one run, drawn to its own scale' at screen 0.02, 0.965 font ',16'
 set xrange [0:1.1]
 set yrange [*:*] reverse
 set lmargin at screen 0.25
