@@ -201,10 +201,14 @@ static bool are_apart(const struct span *span, uint32_t points_a, double reach)
     return false;
 }
 
-/* Return whether points are off their chords by much, against how far they go. */
+/* Return whether points are off their chords by much, against how far they go. What is
+ * within delta is not: points on the axis go nowhere, and rounding bends their way. */
 static bool is_much_bent(const struct decider *decider, const struct span *span)
 {
     double way = 0;
+    if (span->bent <= decider->limits->delta) {
+        return false;
+    }
     for (uint32_t i = decider->first_turning; i < decider->end_turning; i++) {
         double d[3];
         eng_sub(d, span->r->x[i], span->l->x[i]);
