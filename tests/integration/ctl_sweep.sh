@@ -54,7 +54,9 @@ refused '3: link "arm": scale="2" of <mesh> has 1 of 3 numbers' \
     refused '3: link "arm": <cylinder> has no length' "$(solid '<cylinder radius="1"/>')" \
         "revolute $limit" &&
     refused '3: link "arm": radius="0" of <sphere> leaves nothing of it' \
-        "$(solid '<sphere radius="0"/>')" "revolute $limit"
+        "$(solid '<sphere radius="0"/>')" "revolute $limit" &&
+    refused '3: link "arm": radius="1e30" of <sphere> is larger than 1e18' \
+        "$(solid '<sphere radius="1e30"/>')" "revolute $limit"
 report "a shape that is not understood is refused with its link"
 
 # Otherwise a number that is none would be another one, or the model would be gone without a word
@@ -121,6 +123,7 @@ report "a file that is no URDF is refused"
 urdf "$(solid '<mesh filename="package://my_arm/meshes/arm.obj" scale="1 -1 2"/>')" \
     "revolute $limit"
 fails 4 'r.urdf:3: "arm": the mesh package://my_arm/meshes/arm.obj is not there' sweep r.urdf &&
+    fails 4 '--meshes nodir: no such folder' sweep --meshes nodir r.urdf &&
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >arm.obj && ctl sweep --meshes . r.urdf &&
     mkdir -p my_arm/meshes my_arm/urdf && mv arm.obj my_arm/meshes && ctl sweep r.urdf &&
     mv r.urdf my_arm/urdf && ctl sweep my_arm/urdf/r.urdf &&
@@ -134,13 +137,16 @@ urdf "$box" 'revolute <limit effort="1"/>' \
 ends 4 'r.urdf: no joint has a range to move over' sweep r.urdf &&
     says '^joint +elbow: 0, does not move$' '^joint +float: floating, held' &&
     fails 4 '--joint float: the joint does not move' sweep --joint float r.urdf &&
-    fails 4 '--fix elbow=x: the value is no number' sweep --fix elbow=x r.urdf &&
-    fails 4 '--fix elbow=1: --joint sweeps it' sweep --fix elbow=1 --joint elbow=0:1 r.urdf &&
-    fails 4 '--joint elbow=1: not NAME=LO:HI' sweep --joint elbow=1 r.urdf &&
-    fails 4 'elbow=1:0: the high end is below the low end' sweep --joint elbow=1:0 r.urdf &&
-    fails 4 'elbow=nan:1: the low end is no finite' sweep --joint elbow=nan:1 r.urdf &&
-    fails 4 'elbow=0:1rad: the high end has another unit' sweep --joint elbow=0:1rad r.urdf &&
-    fails 4 'elbow=1deg:2: the high end has no unit' sweep --joint elbow=1deg:2 r.urdf &&
+    ends 2 '--fix elbow=x: the value is no number' sweep --fix elbow=x r.urdf &&
+    ends 2 '--fix elbow=1: --joint elbow=0:1 names this joint, too' sweep --fix elbow=1 \
+        --joint elbow=0:1 r.urdf &&
+    ends 2 '--joint elbow: --joint elbow names' sweep --joint elbow --joint elbow r.urdf &&
+    ends 2 '--joint elbow=1: not NAME=LO:HI' sweep --joint elbow=1 r.urdf &&
+    ends 2 'elbow=1:0: the high end is below the low end' sweep --joint elbow=1:0 r.urdf &&
+    ends 2 'elbow=10:9deg: the high end is below' sweep --joint elbow=10:9deg r.urdf &&
+    ends 2 'elbow=nan:1: the low end is no finite' sweep --joint elbow=nan:1 r.urdf &&
+    ends 2 'elbow=0:1rad: the high end has another unit' sweep --joint elbow=0:1rad r.urdf &&
+    ends 2 'elbow=1deg:2: the high end has no unit' sweep --joint elbow=1deg:2 r.urdf &&
     fails 4 '--joint knee: r.urdf has no such joint' sweep --joint knee r.urdf &&
     fails 4 '--allow: "a,b" does not name two parts' sweep --allow a,b r.urdf &&
     ends 2 'at most 3' sweep --joint a --joint b --joint c --joint d r.urdf
@@ -155,15 +161,18 @@ ends 4 'no two shapes may meet' sweep --srdf r.srdf --state up r.urdf &&
     ends 4 'no two shapes may meet' sweep --allow base,arm r.urdf &&
     says 'may meet 0$' && fails 4 'r.urdf:1: no SRDF: it has links' sweep --srdf r.urdf r.urdf &&
     fails 4 'bad.srdf:1: the URDF has no link "leg"' sweep --srdf bad.srdf r.urdf &&
-    fails 4 'r.srdf:1: there is no group_state "down"' sweep --srdf r.srdf --state down r.urdf
+    fails 4 'r.srdf:1: there is no group_state "down"' sweep --srdf r.srdf --state down r.urdf &&
+    echo '<robot name="s"/>' >s.srdf &&
+    fails 4 's.srdf:1: it is of the robot "s", and the URDF of another' sweep --srdf s.srdf r.urdf &&
 urdf "<visual/>" "revolute $limit" "<link name=\"hand\">$box</link><joint name=\"j\" type=\"fixed\">
     <parent link=\"arm\"/><child link=\"hand\"/></joint>" &&
     ctl sweep --joint elbow=-1.5:0 r.urdf &&
-    says '^note +link arm has a <visual> and no' 'note +elbow goes beyond its limits, -1 to 1' &&
+    says '^note +link arm has a <visual> and no' 'note +elbow at -1.5 to 0 rad .* goes beyond its limits, -1 to 1' &&
     ctl sweep --json --joint elbow=-1.5:0 r.urdf && grep -A1 '"beyond_limits"' out | grep -q elbow &&
     grep -A1 '"without_collision"' out | grep -q arm && sed -i 's/3 0 0/0 0 0/' r.urdf &&
     echo '<robot><group_state name="up" group="g"/></robot>' >up.srdf &&
-    { ctl sweep --srdf up.srdf r.urdf; [ $? -eq 1 ]; } && says '--state, one of up$'
+    { ctl sweep --srdf up.srdf r.urdf; [ $? -eq 1 ]; } && says '--state, one of up$' \
+        'all that meet at the begin: base,hand$'
 report "SRDF leaves pairs out and has states; what is not compared is named"
 
 # Otherwise a scene file would be swept without its joints, or checked as if it had none.
@@ -325,7 +334,9 @@ jams --json --joint q=-90deg:0 round.urdf && holds jams q -1.1592794807274085 1e
     jams --json --joint q=-90deg:0 round.urdf && holds jams q -1.1592794807274085 1e-6 &&
     round '<cylinder radius="0.1" length="1"/>' '0 0 0' &&
     jams --json --joint q=-90deg:0 round.urdf && numbers jams q >got &&
-    awk '{ exit !($1 < -1.1592795 && $1 > -1.1605) }' got
+    awk '{ exit !($1 < -1.1592795 && $1 > -1.1605) }' got &&
+    round '<sphere radius="0.1"/>' '0 0 0' && sed -i 's/"1 0 0" rpy/"0 0 0" rpy/' round.urdf &&
+    ctl sweep --clearance 0.3999 round.urdf && jams --clearance 0.4001 round.urdf
 report "spheres, capsules and cylinders are as thick as they are"
 
 within() { printf '%s' "<robot name=\"w\"><link name=\"wall\"><collision><geometry>$1</geometry>
@@ -355,7 +366,11 @@ within '<box size="9 9 9"/>' '<box size="1 1 1"/>' && jams within.urdf &&
     within '<box size="9 9 9"/>' '<mesh filename="flat.obj"/>' && ctl sweep within.urdf &&
     says '^note +not all shapes are closed' && sed 's/^v /v 99/' flat.obj >away.obj &&
     within '<box size="9 9 9"/>' '<box size="1 1 1"/>' && jams --with away.obj within.urdf &&
-    says 'wall and bar, from the begin, where they meet already' '^note +not all shapes'
+    says 'wall and bar, from the begin, where they meet already' '^note +not all shapes' &&
+    sed -i 's|</robot>|<link name="in"><collision><geometry><sphere radius="2"/></geometry></collision>\
+    </link><joint name="p" type="continuous"><parent link="bar"/><child link="in"/></joint></robot>|' \
+        within.urdf && jams --with away.obj within.urdf &&
+    says '^ +what touches by design: --allow wall,bar --allow wall,in$'
 report "what begins within another part is seen, or that it would not be"
 
 # Otherwise a box of joint values would be called free with a jam in it.
@@ -394,6 +409,9 @@ edge '{"from": [0], "to": [0.5]}
 jams --edges e.jsonl hinge.urdf && says '^edge +line 1: free$' \
     '^edge +line 3: jams, t 0.1236: post and leaf$' &&
     jams --edges e.jsonl --json hinge.urdf && grep -q '"line": 3' out &&
+    edge '{"from": [0], "to": [-0.5]}' && ctl sweep --edges e.jsonl hinge.urdf &&
+    says '^ +note +pin at -0.5 to 0 rad .* goes beyond its limits, 0 to 1.5 rad' &&
+    ctl sweep --json --edges e.jsonl hinge.urdf && grep -A1 '"beyond_limits"' out | grep -q pin &&
     edge '{"from": [0], "to": [0.5]}' && ctl sweep --edges e.jsonl hinge.urdf &&
     printf 'v 0 0.1 -1\nv 1.5 0.1 -1\nv 1.5 0.1 1\nf 1 2 3\n' >wall.obj &&
     jams --edges e.jsonl --with wall.obj hinge.urdf && says 'leaf and wall.obj$' &&

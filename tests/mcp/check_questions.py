@@ -184,7 +184,7 @@ class Questions(unittest.TestCase):
     # If it failed, a hinge would jam elsewhere, or at another part, or be called free.
     def test_question_11__where_does_the_hinge_jam(self):
         write_hinge(self.path)
-        ask = self.asked(5)
+        ask = self.asked(7)
         told = ask.call("sweep", file="hinge.json")
         first = told["first"]
         low, high = map(float, first["bracket"].split(" to "))
@@ -195,8 +195,10 @@ class Questions(unittest.TestCase):
         self.assertLessEqual(math.pi / 6, high)
         self.assertLessEqual(high - low, 1e-6)
         self.assertAlmostEqual(first["value"][0], high, 8)
+        self.assertEqual((first["within_bracket"], told["without_collision"]), (True, []))
         row = told["rows"][0]
         self.assertEqual((row["low"], row["high"]), ([0], [1.5]))
+        self.assertEqual((row["beyond_limits"], row["initial_pairs"]), ([], []))
         self.assertEqual([jam["from"] for jam in row["jams"]], ["begin", "end"])
         high, low = map(float, row["jams"][1]["bracket"].split(" to "))
         self.assertGreater(high, low)  # as it goes: from the value that is free
@@ -207,10 +209,14 @@ class Questions(unittest.TestCase):
         self.assertAlmostEqual(high, low, 5)
         told = ask.call("sweep", file="hinge.json", clearance=["0.1"], bracket=1e-9)
         self.assertAlmostEqual(told["first"]["value"][0], 0.42343135397717, 8)
+        told = ask.call("sweep", file="hinge.json", joints=["pin=1:2"])
+        self.assertEqual(told["rows"][0]["beyond_limits"], ["pin"])
         with self.assertRaisesRegex(Failed, "no two shapes may meet"):
             ask.call("sweep", file="hinge.json", allow=["post,leaf"])
         with self.assertRaisesRegex(Failed, "hinge.json has no such joint"):
             ask.call("sweep", file="hinge.json", joints=["knee"])
+        with self.assertRaisesRegex(Failed, "the low end is no number"):
+            ask.call("sweep", file="hinge.json", joints=["pin=x:1"])
 
 
 if __name__ == "__main__":

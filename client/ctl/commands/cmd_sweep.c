@@ -55,6 +55,106 @@ static void take_clearance(struct argp_state *state, const struct option_row *ro
     }
 }
 
+/* Return how long the name of "NAME" or "NAME=VALUES" is. */
+static size_t name_bytes_of(const char *text)
+{
+    const char *equals = strrchr(text, '=');
+    return equals != NULL ? (size_t)(equals - text) : strlen(text);
+}
+
+/* A joint of the command line, and the value or the range that it is given. */
+struct named_joint {
+    bool has_values, is_in_degrees;
+    double values[2]; /* in radians, or the file's unit */
+    uint32_t joint;
+};
+
+/* Read a number up to `end`, with "deg" behind it if it is an angle in degrees. Return
+ * what is wrong with it; NULL: nothing. */
+static const char *read_value(const char *text, const char *end, double *value,
+                              bool *is_in_degrees)
+{
+    char *stop;
+    *value = strtod(text, &stop);
+    *is_in_degrees = end - stop == 3 && strncmp(stop, "deg", 3) == 0;
+    return stop == text || stop > end       ? "is no number"
+           : !isfinite(*value)              ? "is no finite number"
+           : stop != end && !*is_in_degrees ? "has another unit behind it than deg"
+                                            : NULL;
+}
+
+/* Read "NAME=VALUE", or with two values "NAME=LO:HI" or "NAME"; a unit behind the last
+ * one is that of both. Return what is wrong, and of *whose; NULL: nothing. */
+static const char *read_named(const char *text, uint32_t value_count,
+                              struct named_joint *named, const char **whose)
+{
+    const char *equals = strrchr(text, '='), *end = text + strlen(text), *fault;
+    const char *colon = equals != NULL && value_count == 2 ? strchr(equals, ':') : NULL;
+    double *values = named->values;
+    bool is_low_in_degrees = false, is_in_degrees = false;
+    *whose = "";
+    *named = (struct named_joint){.has_values = equals != NULL};
+    if (value_count == 2 && colon == NULL) {
+        return equals != NULL ? "not NAME=LO:HI" : NULL;
+    }
+    if (equals == NULL) {
+        return "not NAME=VALUE";
+    }
+    if (value_count == 1) {
+        *whose = "the value ";
+        fault = read_value(equals + 1, end, values, &is_in_degrees);
+    } else {
+        *whose = "the low end ";
+        fault = read_value(equals + 1, colon, &values[0], &is_low_in_degrees);
+        if (fault == NULL) {
+            *whose = "the high end ";
+            fault = read_value(colon + 1, end, &values[1], &is_in_degrees);
+        }
+        if (fault == NULL && is_low_in_degrees && !is_in_degrees && values[1] != 0) {
+            fault = "has no unit, and the low end is in degrees";
+        } else if (fault == NULL && values[0] > values[1]) {
+            fault = "is below the low end";
+        }
+    }
+    named->is_in_degrees = is_low_in_degrees || is_in_degrees;
+    for (uint32_t i = 0; i < value_count && named->is_in_degrees; i++) {
+        values[i] *= ROBOT_PI / 180;
+    }
+    return fault;
+}
+
+static void take_joint(struct argp_state *state, const struct option_row *row,
+                       const char *text, void *to)
+{
+    struct named_joint named;
+    const char *whose;
+    uint32_t value_count = strcmp(row->name, "fix") == 0 ? 1 : 2;
+    const char *fault = read_named(text, value_count, &named, &whose);
+    if (fault != NULL) {
+        option_misused(state, "--%s %s: %s%s", row->name, text, whose, fault);
+    }
+    option_add_text(state, (struct option_arguments *)((char *)to + row->at), text);
+}
+
+/* Refuse a joint that is swept twice, or held and swept. */
+static void check_joints(const struct argp_state *state, const struct command *command)
+{
+    const struct option_arguments *of[] = {&command->joints, &command->fixed};
+    const uint32_t swept = of[0]->count;
+    for (uint32_t i = 0; i < swept + of[1]->count; i++) {
+        const char *text = of[i >= swept]->list[i < swept ? i : i - swept];
+        size_t length = name_bytes_of(text);
+        for (uint32_t k = 0; k < i; k++) {
+            const char *before = of[k >= swept]->list[k < swept ? k : k - swept];
+            if (strncmp(text, before, length) == 0 && name_bytes_of(before) == length) {
+                option_misused(state, "--%s %s: --%s %s names this joint, too",
+                               i < swept ? "joint" : "fix", text,
+                               k < swept ? "joint" : "fix", before);
+            }
+        }
+    }
+}
+
 static void check_usage(struct argp_state *state, void *to)
 {
     const struct command *command = to;
@@ -66,6 +166,7 @@ static void check_usage(struct argp_state *state, void *to)
         option_misused(state, "--joint: at most %u of them move at a time",
                        SWEEP_AXES_MAX);
     }
+    check_joints(state, command);
     if (is_scene && (command->robot.srdf != NULL || command->robot.meshes.count > 0)) {
         option_misused(state, "--srdf and --meshes are of URDF files");
     }
@@ -98,11 +199,11 @@ static const struct option_row rows[] = {
      "Sweep this joint, from LO to HI (default: its limits), in radians, in degrees (as "
      "-90:90deg) or in the file's unit; up to three at once (default: each joint by "
      "itself)",
-     OPTION_TEXTS, .at = AT(joints)},
+     OPTION_OWN, .at = AT(joints), .take = take_joint},
     {"fix", 0, "NAME=VALUE",
      "Hold a joint that is not swept there (default: at 0, or where its limits are "
      "nearest to 0); may be repeated",
-     OPTION_TEXTS, .at = AT(fixed)},
+     OPTION_OWN, .at = AT(fixed), .take = take_joint},
     {"edges", 0, "FILE",
      "Instead of ranges: motions of all joints at once, a line {\"from\": [VALUE..], "
      "\"to\": [VALUE..]} each, in radians or the file's unit, of all joints in their "
@@ -189,94 +290,37 @@ struct run {
 
 /* ---- what is asked ----------------------------------------------------------------- */
 
-/* Read a number up to `end`, with "deg" behind it if it is an angle in degrees. Return
- * what is wrong with it; NULL: nothing. */
-static const char *read_value(const struct robot_joint *joint, const char *text,
-                              const char *end, double *value, bool *is_in_degrees)
-{
-    char *stop;
-    *value = strtod(text, &stop);
-    *is_in_degrees = end - stop == 3 && strncmp(stop, "deg", 3) == 0;
-    return stop == text || stop > end ? "is no number"
-           : !isfinite(*value)        ? "is no finite number"
-           : *is_in_degrees && joint->kind != PCCD_JOINT_TURN
-               ? "is in degrees, and this joint slides"
-           : stop != end && !*is_in_degrees ? "has another unit behind it than deg"
-                                            : NULL;
-}
-
-/* Read VALUE, or LO:HI, of which a unit behind the last is that of both. Return what is
- * wrong; NULL: nothing. */
-static const char *read_values(const struct robot_joint *joint, const char *text,
-                               uint32_t count, double *values, const char **whose)
-{
-    const char *end = text + strlen(text);
-    const char *colon = count == 2 ? strchr(text, ':') : NULL, *fault = NULL;
-    bool in_degrees[2] = {false, false};
-    *whose = "";
-    if (count == 2 && colon == NULL) {
-        return "not NAME=LO:HI";
-    }
-    for (uint32_t k = 0; k < count && fault == NULL; k++) {
-        *whose = count == 1 ? "the value " : k == 0 ? "the low end " : "the high end ";
-        fault =
-            read_value(joint, k == 0 ? text : colon + 1,
-                       count == 2 && k == 0 ? colon : end, &values[k], &in_degrees[k]);
-    }
-    if (fault == NULL && count == 2 && in_degrees[0] && !in_degrees[1] &&
-        values[1] != 0) {
-        fault = "has no unit, and the low end is in degrees";
-    }
-    for (uint32_t k = 0; k < count; k++) {
-        values[k] *= in_degrees[0] || in_degrees[1] ? ROBOT_PI / 180 : 1;
-    }
-    if (fault == NULL && count == 2 && values[0] > values[1]) {
-        fault = "is below the low end";
-    }
-    return fault;
-}
-
-/* A joint, and the value or the range that it is given. */
-struct named_joint {
-    uint32_t joint;
-    double values[2];
-};
-
 /* Find the joint of "NAME=VALUE" or "NAME=LO:HI", and its values; E_INVAL: it is none, or
  * none that has a value of its own. */
 static int read_joint(const struct robot *robot, const char *option, const char *text,
                       uint32_t value_count, struct named_joint *named,
                       struct ctl_error *error)
 {
-    double *values = named->values;
-    const char *equals = strrchr(text, '=');
-    char *name = strndup(text, equals != NULL ? (size_t)(equals - text) : strlen(text));
-    uint32_t found = name != NULL ? robot_find_joint(robot, name) : ROBOT_NONE;
+    const char *whose;
+    (void)read_named(text, value_count, named, &whose); /* take_joint knows it is right */
+    char *name = strndup(text, name_bytes_of(text));
+    named->joint = name != NULL ? robot_find_joint(robot, name) : ROBOT_NONE;
     free(name);
-    if (found == ROBOT_NONE) {
+    if (named->joint == ROBOT_NONE) {
         return ctl_error_set(error, PCCD_E_INVAL, "--%s %s: %s has no such joint", option,
                              tool_shown(text), tool_shown(robot->path));
     }
-    if (!robot_is_free(robot, found)) {
-        const struct robot_joint *at = &robot->joints[found];
+    const struct robot_joint *at = &robot->joints[named->joint];
+    if (!robot_is_free(robot, named->joint)) {
         return ctl_error_set(
             error, PCCD_E_INVAL, "--%s %s: the joint %s%s", option, tool_shown(text),
             at->leader != ROBOT_NONE ? "follows " : "does not move",
             at->leader != ROBOT_NONE ? tool_shown(robot->joints[at->leader].name) : "");
     }
-    named->joint = found;
-    memcpy(values, robot->joints[found].range, value_count * sizeof *values);
-    if (equals == NULL && value_count == 2) {
-        return PCCD_OK;
+    if (named->is_in_degrees && at->kind != PCCD_JOINT_TURN) {
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "--%s %s: in degrees, and this joint slides", option,
+                             tool_shown(text));
     }
-    const char *whose = "", *fault = "not NAME=VALUE";
-    if (equals != NULL) {
-        fault =
-            read_values(&robot->joints[found], equals + 1, value_count, values, &whose);
+    if (!named->has_values) {
+        memcpy(named->values, at->range, sizeof named->values);
     }
-    return fault == NULL ? PCCD_OK
-                         : ctl_error_set(error, PCCD_E_INVAL, "--%s %s: %s%s", option,
-                                         tool_shown(text), whose, fault);
+    return PCCD_OK;
 }
 
 static int fix_joints(const struct command *command, struct robot *robot,
@@ -288,15 +332,6 @@ static int fix_joints(const struct command *command, struct robot *robot,
         status = read_joint(robot, "fix", command->fixed.list[i], 1, &named, error);
         if (status == PCCD_OK) {
             robot->start[named.joint] = named.values[0];
-        }
-        for (size_t k = 0; k < command->joints.count && status == PCCD_OK; k++) {
-            struct named_joint swept;
-            status =
-                read_joint(robot, "joint", command->joints.list[k], 2, &swept, error);
-            if (status == PCCD_OK && swept.joint == named.joint) {
-                status = ctl_error_set(error, PCCD_E_INVAL, "--fix %s: --joint sweeps it",
-                                       tool_shown(command->fixed.list[i]));
-            }
         }
     }
     robot_follow(robot, robot->start);
@@ -344,22 +379,13 @@ static int set_pairs(const struct command *command, struct robot *robot,
 static int read_range(const struct command *command, const struct robot *robot,
                       struct sweep_range *range, struct ctl_error *error)
 {
-    const struct option_arguments *named = &command->joints;
     int status = PCCD_OK;
-    range->count = (uint32_t)named->count;
+    range->count = command->joints.count;
     for (uint32_t k = 0; k < range->count && status == PCCD_OK; k++) {
-        struct named_joint joint;
-        status = read_joint(robot, "joint", named->list[k], 2, &joint, error);
-        if (status == PCCD_OK) {
-            range->joints[k] = joint.joint;
-            memcpy(range->ends[k], joint.values, sizeof joint.values);
-        }
-        for (uint32_t i = 0; i < k && status == PCCD_OK; i++) {
-            if (range->joints[i] == range->joints[k]) {
-                status = ctl_error_set(error, PCCD_E_INVAL, "--joint %s: once is enough",
-                                       tool_shown(named->list[k]));
-            }
-        }
+        struct named_joint named;
+        status = read_joint(robot, "joint", command->joints.list[k], 2, &named, error);
+        range->joints[k] = named.joint;
+        memcpy(range->ends[k], named.values, sizeof named.values);
     }
     return status;
 }
@@ -508,15 +534,17 @@ static int try_each(struct run *run)
     return status;
 }
 
-static void take_edge(void *context, uint64_t line, const struct sweep_hit *hit)
+static void take_edge(void *context, uint64_t line, double *const ends[2],
+                      const struct sweep_hit *hit)
 {
     struct run *run = context;
     enum sweep_verdict verdict = sweep_hit_verdict(hit);
     note_verdict(run, verdict);
     if (run->ranges == NULL) {
-        sweep_report_edge(columns_fitted(stdout), &run->robot, line, hit);
+        sweep_report_edge(columns_fitted(stdout), &run->robot, line, ends, hit);
     } else if (json_array_append_new(
-                   run->ranges, sweep_report_edge_json(&run->robot, line, hit)) != 0) {
+                   run->ranges, sweep_report_edge_json(&run->robot, line, ends, hit)) !=
+               0) {
         run->lacks_memory = true;
     }
 }

@@ -866,7 +866,8 @@ static const struct mcp_field sweep_takes[] = {
      .option = "--fix"},
     {"clearance", MCP_TEXTS,
      .meaning = "\"D\": parts may not come nearer than that (default: 0); \"A,B=D\": "
-                "these two, in the place of that; at 0 they may touch, as a pin its hole",
+                "these two, in the place of that; at 0 they may be as near as they like, "
+                "as a pin in its hole",
      .option = "--clearance"},
     {"allow", MCP_TEXTS, .meaning = "\"A,B\": these two parts may meet",
      .option = "--allow"},
@@ -904,6 +905,9 @@ static const struct mcp_field sweep_takes[] = {
         {"bracket", MCP_TEXT,                                                            \
          .meaning = "Values of the first joint between which they come to meet",         \
          .is_needed = true},                                                             \
+        {"within_bracket", MCP_TRUTH,                                                    \
+         .meaning = "false: these are farther apart than was asked for",                 \
+         .is_needed = true},                                                             \
     {                                                                                    \
         "initial", MCP_TRUTH,                                                            \
             .meaning = "true: they meet already where the motion begins",                \
@@ -935,6 +939,9 @@ static const struct mcp_field sweep_row[] = {
     {"low", MCP_REALS, .meaning = "Where the range of each begins", .is_needed = true},
     {"high", MCP_REALS, .meaning = "Where it ends", .is_needed = true},
     SWEEP_VERDICT,
+    {"beyond_limits", MCP_TEXTS, .meaning = "Joints that go beyond their limits"},
+    {"initial_pairs", MCP_TEXTS,
+     .meaning = "\"A,B\": all parts that meet where the range begins"},
     {"jams", MCP_ROWS,
      .meaning = "Of one joint the first jam from each end; of several the one found",
      .of = jam_tells},
@@ -953,6 +960,8 @@ static const struct mcp_field sweep_tells[] = {
      .meaning = "false: not all shapes are closed meshes, so that a part that begins "
                 "wholly within another one is not seen",
      .is_needed = true},
+    {"without_collision", MCP_TEXTS,
+     .meaning = "Links that have a <visual> alone: they are not compared"},
     {"units", MCP_TEXT, .meaning = "What numbers count"},
     ROWS_TELLS(sweep_row, "Ranges that were swept"),
     COMMON_TELLS,
@@ -998,6 +1007,7 @@ static json_t *jam_of(const json_t *jam, bool is_jam, bool *ok)
                              json_number_value(json_array_get(first, goes_up ? 0 : 1)),
                              json_number_value(json_array_get(first, goes_up ? 1 : 0))),
                  ok);
+        copy_member(told, NULL, jam, "within_bracket", ok);
         copy_member(told, NULL, jam, "initial", ok);
         copy_member(told, NULL, jam, "from", ok);
     }
@@ -1014,6 +1024,8 @@ static json_t *sweep_row_of(const json_t *range, bool *ok)
     set_ends(row, "low", swept, 0, ok);
     set_ends(row, "high", swept, 1, ok);
     copy_member(row, NULL, range, "verdict", ok);
+    copy_member(row, NULL, range, "beyond_limits", ok);
+    copy_member(row, NULL, range, "initial_pairs", ok);
     if (json_array_size(jams) > 0) {
         json_t *list = json_array();
         for (size_t i = 0; i < json_array_size(jams); i++) {
@@ -1053,7 +1065,8 @@ static void set_first_jam(json_t *answer, const json_t *rows, bool *ok)
     json_set(answer, "first", first, ok);
     if (json_is_true(json_object_get(jam, "initial"))) {
         json_set(answer, "next",
-                 json_string("if these two touch by design: the same with them in allow"),
+                 json_string("if initial_pairs touch by design: the same with them in "
+                             "allow"),
                  ok);
     }
 }
@@ -1077,6 +1090,7 @@ static json_t *answer_sweep(struct mcp *mcp, const struct mcp_tool *tool,
         answer = json_object();
         copy_member(answer, NULL, report, "verdict", &ok);
         copy_member(answer, NULL, report, "looked_within", &ok);
+        copy_member(answer, NULL, report, "without_collision", &ok);
         set_first_jam(answer, rows, &ok);
         json_set(answer, "units",
                  json_string("angles in radians, lengths in the file's unit"), &ok);

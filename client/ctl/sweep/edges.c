@@ -127,7 +127,7 @@ int sweep_edges(struct sweep *sweep, const char *path, sweep_edge_fn each, void 
             status = ask(&reading, &hit);
         }
         if (status == PCCD_OK) {
-            each(context, reading.line, &hit);
+            each(context, reading.line, reading.ends, &hit);
         }
     }
     status = status == PCCD_OK ? file.status : status;

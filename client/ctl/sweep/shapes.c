@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "confined.h"
@@ -165,6 +166,15 @@ int robot_make_shapes(struct robot *robot, const struct robot_options *options,
                       struct ctl_error *error)
 {
     int status = PCCD_OK;
+    for (uint32_t i = 0; i < options->meshes.count; i++) {
+        const char *folder = options->meshes.list[i];
+        struct stat of;
+        if (tool_is_outside(folder, false) == 0 &&
+            (stat(folder, &of) != 0 || !S_ISDIR(of.st_mode))) {
+            return ctl_error_set(error, PCCD_E_SYSTEM, "--meshes %s: no such folder",
+                                 tool_shown(folder));
+        }
+    }
     for (uint32_t i = 0; i < robot->shape_count && status == PCCD_OK; i++) {
         struct robot_shape *shape = &robot->shapes[i];
         shape->mesh = (struct ctl_mesh){.error = error};

@@ -44,6 +44,7 @@ void sweep_end(struct sweep *sweep);
 /* A meeting: shapes, and a bracket of when they first meet. */
 struct sweep_hit {
     bool is_there, is_proved;
+    bool is_unknown; /* the answer is not complete: there may be none */
     double t[2];
     uint32_t shapes[2];
 };
@@ -72,9 +73,10 @@ int sweep_nearest(struct sweep *sweep, const double *values, uint32_t shapes[2],
 
 /* Ask for the motions of a file, {"from": VALUES, "to": VALUES} a line, in which all
  * joints move at once; VALUES: a list of all that have their own, or an object of some.
- * Each is told with its line, in order. Errors: those of sweep_ask, sweep_look and
- * ctl_file_open; E_FORMAT, with the line. */
-typedef void (*sweep_edge_fn)(void *context, uint64_t line, const struct sweep_hit *hit);
+ * Each is told with its line and the values of all joints at its ends, in order. Errors:
+ * those of sweep_ask, sweep_look and ctl_file_open; E_FORMAT, with the line. */
+typedef void (*sweep_edge_fn)(void *context, uint64_t line, double *const ends[2],
+                              const struct sweep_hit *hit);
 int sweep_edges(struct sweep *sweep, const char *path, sweep_edge_fn each, void *context);
 
 /* ---- A range of joints. */
@@ -105,6 +107,9 @@ struct sweep_answer {
      * found. */
     struct sweep_jam jams[2];
     uint32_t jam_count;
+    /* Ours: all parts that meet where jams[0] is, if that is_at_begin. */
+    struct robot_pair *meeting;
+    size_t meeting_count, meeting_room;
     double undecided;       /* part of the range, 0 .. 1 */
     struct sweep_box *gaps; /* ours: [gap_count], where that is */
     size_t gap_count, gap_room;
@@ -114,6 +119,9 @@ struct sweep_answer {
     struct sweep_jam nearest; /* where they are as near as least[1] */
 };
 
+/* Set answer->meeting to all parts that meet at these values of all joints, those of the
+ * first jam among them. Errors: those of sweep_ask and sweep_look; E_NOMEM. */
+int sweep_meeting(struct sweep *sweep, const double *values, struct sweep_answer *answer);
 /* Tell what meets in a range, while all other joints stay at `values`, or follow. Errors:
  * those of sweep_ask; E_NOMEM. sweep_answer_deinit also after an error. */
 int sweep_try(struct sweep *sweep, const struct sweep_range *range, const double *values,
@@ -135,9 +143,9 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
                           const double *values, const struct sweep_answer *answer);
 /* Print what came of a motion between two configurations; return it as JSON. */
 void sweep_report_edge(FILE *to, const struct robot *robot, uint64_t line,
-                       const struct sweep_hit *hit);
+                       double *const ends[2], const struct sweep_hit *hit);
 json_t *sweep_report_edge_json(const struct robot *robot, uint64_t line,
-                               const struct sweep_hit *hit);
+                               double *const ends[2], const struct sweep_hit *hit);
 /* Return what a motion between two configurations is. */
 enum sweep_verdict sweep_hit_verdict(const struct sweep_hit *hit);
 /* Return the word for a verdict. */

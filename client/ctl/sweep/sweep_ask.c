@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "array.h"
 #include "joints.h"
 #include "link.h"
 #include "sweep.h"
@@ -184,9 +185,9 @@ int sweep_ask(struct sweep *sweep, const double *from, const double *to, double 
         take_records(sweep->robot, &page, hit);
         pccd_answer_release(sweep->client, &page);
         if (!is_whole && !hit->is_proved) {
-            hit->is_there = true;
+            *hit = (struct sweep_hit){.is_there = true, .is_unknown = true, .t = {0, 1}};
+        } else if (!is_whole) { /* what was not decided may be earlier */
             hit->t[0] = 0;
-            hit->t[1] = 1;
         }
         if (!is_whole || cursor >= total) {
             break;
@@ -196,10 +197,34 @@ int sweep_ask(struct sweep *sweep, const double *from, const double *to, double 
     return fail(sweep, status);
 }
 
+/* Add the parts of two objects to those that meet, once. */
+static int add_meeting(const struct sweep *sweep, uint32_t a, uint32_t b,
+                       struct sweep_answer *answer)
+{
+    const struct robot *robot = sweep->robot;
+    void *list = answer->meeting;
+    struct sweep_hit of;
+    set_shapes(robot, a, b, &of);
+    const struct robot_pair pair = {
+        .parts = {robot->shapes[of.shapes[0]].part, robot->shapes[of.shapes[1]].part}};
+    for (size_t i = 0; i < answer->meeting_count; i++) {
+        if (memcmp(answer->meeting[i].parts, pair.parts, sizeof pair.parts) == 0) {
+            return PCCD_OK;
+        }
+    }
+    if (!array_reserve(&list, answer->meeting_count, &answer->meeting_room,
+                       sizeof *answer->meeting)) {
+        return PCCD_E_NOMEM;
+    }
+    answer->meeting = list;
+    answer->meeting[answer->meeting_count++] = pair;
+    return PCCD_OK;
+}
+
 /* Ask about where the last motion began, of two objects (0: of all); a record becomes a
- * hit. */
+ * hit, or all of them are added to those that meet, if `all` is not NULL. */
 static int look_for(struct sweep *sweep, enum pccd_near_what what, uint32_t a, uint32_t b,
-                    struct sweep_hit *hit)
+                    struct sweep_hit *hit, struct sweep_answer *all)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -213,17 +238,22 @@ static int look_for(struct sweep *sweep, enum pccd_near_what what, uint32_t a, u
         *hit = (struct sweep_hit){.is_there = true, .is_proved = true};
         set_shapes(sweep->robot, answer.near[0].object_a, answer.near[0].object_b, hit);
     }
+    for (uint64_t i = 0; i < answer.count && all != NULL && status == PCCD_OK; i++) {
+        status =
+            add_meeting(sweep, answer.near[i].object_a, answer.near[i].object_b, all);
+    }
     pccd_answer_release(sweep->client, &answer);
     return status;
 }
 
 /* Look for a shape within another one. The answer for all takes closed meshes alone; if
  * one is open, each pair is asked, and those with an open one are not known. */
-static int look_within(struct sweep *sweep, struct sweep_hit *hit)
+static int look_within(struct sweep *sweep, struct sweep_hit *hit,
+                       struct sweep_answer *all)
 {
     const struct robot *robot = sweep->robot;
     int status =
-        sweep->is_open ? PCCD_E_INVAL : look_for(sweep, PCCD_NEAR_DEPTH, 0, 0, hit);
+        sweep->is_open ? PCCD_E_INVAL : look_for(sweep, PCCD_NEAR_DEPTH, 0, 0, hit, all);
     if (status != PCCD_E_INVAL) {
         return status;
     }
@@ -233,12 +263,13 @@ static int look_within(struct sweep *sweep, struct sweep_hit *hit)
         for (uint32_t b = a + 1; b < robot->shape_count; b++) {
             const struct robot_shape *first = &robot->shapes[a],
                                      *other = &robot->shapes[b];
-            bool is_known = hit->is_there && hit->t[1] == 0;
+            bool is_known = all == NULL && hit->is_there && hit->t[1] == 0;
             if (status != PCCD_OK || is_known ||
                 robot_never_asks(robot, first->part, other->part)) {
                 continue;
             }
-            status = look_for(sweep, PCCD_NEAR_DEPTH, first->handle, other->handle, hit);
+            status =
+                look_for(sweep, PCCD_NEAR_DEPTH, first->handle, other->handle, hit, all);
             status = status == PCCD_E_INVAL ? PCCD_OK : status;
         }
     }
@@ -247,9 +278,9 @@ static int look_within(struct sweep *sweep, struct sweep_hit *hit)
 
 int sweep_look(struct sweep *sweep, struct sweep_hit *hit)
 {
-    int status = look_for(sweep, PCCD_NEAR_CROSSINGS, 0, 0, hit);
+    int status = look_for(sweep, PCCD_NEAR_CROSSINGS, 0, 0, hit, NULL);
     if (status == PCCD_OK && !(hit->is_there && hit->t[1] == 0)) {
-        status = look_within(sweep, hit);
+        status = look_within(sweep, hit, NULL);
     }
     return fail(sweep, status);
 }
@@ -328,30 +359,57 @@ static const struct pccd_near *least_of(const struct sweep *sweep,
     return least;
 }
 
-int sweep_nearest(struct sweep *sweep, const double *values, uint32_t shapes[2],
-                  double points[2][3], bool *is_found)
+/* Ask how near any two shapes are at these values. */
+static int ask_nearest(struct sweep *sweep, const double *values,
+                       struct pccd_answer *answer)
 {
-    const struct robot *robot = sweep->robot;
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct sweep_hit hit;
     settings.what = PCCD_NEAR_NEAREST;
     settings.distance = INFINITY;
     settings.at_begin = true;
     settings.threads = sweep->threads;
     int status = sweep_ask(sweep, values, values, 0, 1, &hit);
+    return status == PCCD_OK ? fail(sweep, pccd_ask_near(sweep->client, sweep->scene,
+                                                         NULL, 0, &settings, answer))
+                             : status;
+}
+
+int sweep_meeting(struct sweep *sweep, const double *values, struct sweep_answer *answer)
+{
+    struct pccd_answer near = PCCD_ANSWER_INIT;
+    struct sweep_hit hit = {.is_there = false};
+    int status = ask_nearest(sweep, values, &near);
     if (status != PCCD_OK) {
         return status;
     }
-    status = pccd_ask_near(sweep->client, sweep->scene, NULL, 0, &settings, &answer);
+    const uint32_t *jam = answer->jams[0].shapes;
+    status = add_meeting(sweep, sweep->robot->shapes[jam[0]].handle,
+                         sweep->robot->shapes[jam[1]].handle, answer);
+    for (uint64_t i = 0; i < near.count && status == PCCD_OK; i++) {
+        if (gap_of(sweep, &near.near[i]) <= 0) {
+            status =
+                add_meeting(sweep, near.near[i].object_a, near.near[i].object_b, answer);
+        }
+    }
+    pccd_answer_release(sweep->client, &near);
+    return fail(sweep, status == PCCD_OK ? look_within(sweep, &hit, answer) : status);
+}
+
+int sweep_nearest(struct sweep *sweep, const double *values, uint32_t shapes[2],
+                  double points[2][3], bool *is_found)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct sweep_hit hit;
+    int status = ask_nearest(sweep, values, &answer);
     const struct pccd_near *least =
         status == PCCD_OK ? least_of(sweep, &answer, shapes) : NULL;
     *is_found = least != NULL;
     if (least != NULL) {
-        set_shapes(robot, least->object_a, least->object_b, &hit);
+        set_shapes(sweep->robot, least->object_a, least->object_b, &hit);
         memcpy(shapes, hit.shapes, sizeof hit.shapes);
-        status = find_points(sweep, values, least, shapes, points);
+        status = fail(sweep, find_points(sweep, values, least, shapes, points));
     }
     pccd_answer_release(sweep->client, &answer);
-    return fail(sweep, status);
+    return status;
 }

@@ -263,6 +263,7 @@ static int try_distance(struct course *course, double distance, struct sweep_jam
         double a = whole->ends[0][0], b = whole->ends[0][1];
         status = ask(course, a, b, whole, distance, &hit);
         *meets = hit.is_there;
+        *is_known = !hit.is_unknown;
         if (status == PCCD_OK && *meets) {
             set_jam(course, a, b, whole, &hit, jam);
         }
@@ -327,6 +328,14 @@ int sweep_try(struct sweep *sweep, const struct sweep_range *range, const double
     answer->verdict = answer->jam_count > 0   ? SWEEP_JAMS
                       : answer->gap_count > 0 ? SWEEP_UNDECIDED
                                               : SWEEP_FREE;
+    if (status == PCCD_OK && answer->jam_count > 0 && answer->jams[0].is_at_begin) {
+        memcpy(course.from, values, bytes - sizeof(double));
+        for (uint32_t k = 0; k < range->count; k++) {
+            course.from[range->joints[k]] = answer->jams[0].at.ends[k][0];
+        }
+        robot_follow(sweep->robot, course.from);
+        status = sweep_meeting(sweep, course.from, answer);
+    }
     if (status == PCCD_OK && answer->verdict == SWEEP_FREE && sweep->least > 0) {
         status = find_least(&course, answer);
     }
@@ -339,6 +348,8 @@ int sweep_try(struct sweep *sweep, const struct sweep_range *range, const double
 void sweep_answer_deinit(struct sweep_answer *answer)
 {
     free(answer->gaps);
+    free(answer->meeting);
     answer->gaps = NULL;
-    answer->gap_count = 0;
+    answer->meeting = NULL;
+    answer->gap_count = answer->meeting_count = 0;
 }

@@ -3,12 +3,14 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 #include "output.h"
 #include "shown.h"
 
 #define DEGREES    (180 / ROBOT_PI)
 #define GAPS_SHOWN 8u
+#define NAME_BYTES 256u
 
 const char *sweep_verdict_name(enum sweep_verdict verdict)
 {
@@ -119,29 +121,77 @@ static bool is_within_bracket(const struct sweep *sweep, const struct sweep_jam 
     return jam->at.ends[0][1] - jam->at.ends[0][0] <= sweep->bracket;
 }
 
-/* Return whether a joint, or one that follows, goes beyond its limits in the range. What
- * limits leave to rounding is not beyond. */
-static bool is_beyond(const struct robot *robot, const struct sweep_range *range,
-                      const double *values, uint32_t index)
+/* Set `ends` to the values that a joint has in a range, ascending. */
+static void take_ends(const struct robot *robot, const struct sweep_range *range,
+                      const double *values, uint32_t index, double ends[2])
 {
     const struct robot_joint *joint = &robot->joints[index];
     bool follows = joint->leader != ROBOT_NONE;
     uint32_t own = follows ? joint->leader : index;
-    double ends[2] = {values[own], values[own]};
-    double slack = 1e-9 * fmax(fabs(joint->range[0]), fabs(joint->range[1]));
-    bool is_limited = joint->kind != PCCD_JOINT_FIXED && !joint->is_endless &&
-                      joint->range[0] < joint->range[1];
+    ends[0] = ends[1] = values[own];
     for (uint32_t k = 0; k < range->count; k++) {
         if (range->joints[k] == own) {
-            ends[0] = range->ends[k][0];
-            ends[1] = range->ends[k][1];
+            memcpy(ends, range->ends[k], 2 * sizeof *ends);
         }
     }
     for (int k = 0; k < 2 && follows; k++) {
         ends[k] = joint->factor * ends[k] + joint->offset;
     }
+}
+
+/* Return whether these values are beyond a joint's limits. What limits leave to rounding
+ * is not beyond. */
+static bool is_beyond(const struct robot_joint *joint, const double ends[2])
+{
+    double slack = 1e-9 * fmax(fabs(joint->range[0]), fabs(joint->range[1]));
+    bool is_limited = joint->kind != PCCD_JOINT_FIXED && !joint->is_endless &&
+                      joint->range[0] < joint->range[1];
     return is_limited && (fmin(ends[0], ends[1]) < joint->range[0] - slack ||
                           fmax(ends[0], ends[1]) > joint->range[1] + slack);
+}
+
+/* Print a note if they are. */
+static void note_beyond(FILE *to, const struct robot *robot, uint32_t joint,
+                        const double ends[2])
+{
+    const double low_high[2] = {fmin(ends[0], ends[1]), fmax(ends[0], ends[1])};
+    if (is_beyond(&robot->joints[joint], ends)) {
+        fprintf(to, "  note       %s at ", tool_shown(robot->joints[joint].name));
+        print_values(to, robot, joint, low_high);
+        fprintf(to, " goes beyond its limits, ");
+        print_values(to, robot, joint, robot->joints[joint].range);
+        fprintf(to, "\n");
+    }
+}
+
+/* Write the names of two parts as --allow takes them. */
+static void write_pair(const struct robot *robot, const struct robot_pair *pair,
+                       char to[2 * NAME_BYTES])
+{
+    snprintf(to, 2 * NAME_BYTES, "%.*s,%.*s", (int)NAME_BYTES - 1,
+             robot->parts[pair->parts[0]].name, (int)NAME_BYTES - 1,
+             robot->parts[pair->parts[1]].name);
+}
+
+/* Print what to do about parts that meet where the range begins. */
+static void print_meeting(FILE *to, const struct robot *robot,
+                          const struct sweep_answer *answer)
+{
+    if (answer->meeting_count > 0 && robot->states != NULL) {
+        fprintf(to, "  joints as the SRDF file has them: --state, one of %s\n",
+                tool_shown(robot->states));
+    }
+    if (answer->meeting_count > 0) {
+        fprintf(to, "  %s:",
+                robot->states != NULL ? "all that meet at the begin"
+                                      : "what touches by design");
+    }
+    for (size_t i = 0; i < answer->meeting_count; i++) {
+        char pair[2 * NAME_BYTES];
+        write_pair(robot, &answer->meeting[i], pair);
+        fprintf(to, " %s%s", robot->states != NULL ? "" : "--allow ", tool_shown(pair));
+    }
+    fputs(answer->meeting_count > 0 ? "\n" : "", to);
 }
 
 void sweep_report_range(FILE *to, const struct sweep *sweep,
@@ -157,12 +207,9 @@ void sweep_report_range(FILE *to, const struct sweep *sweep,
     print_box(to, robot, range, whole);
     fprintf(to, ": %s\n", sweep_verdict_name(answer->verdict));
     for (uint32_t i = 0; i < robot->joint_count; i++) {
-        if (is_beyond(robot, range, values, i)) {
-            fprintf(to, "  note       %s goes beyond its limits, ",
-                    tool_shown(robot->joints[i].name));
-            print_values(to, robot, i, robot->joints[i].range);
-            fprintf(to, "\n");
-        }
+        double ends[2];
+        take_ends(robot, range, values, i, ends);
+        note_beyond(to, robot, i, ends);
     }
     for (uint32_t i = 0; i < answer->jam_count; i++) {
         const struct sweep_jam *jam = &answer->jams[i];
@@ -180,14 +227,7 @@ void sweep_report_range(FILE *to, const struct sweep *sweep,
                     tool_shown_number(sweep->bracket));
         }
     }
-    if (answer->jam_count > 0 && answer->jams[0].is_at_begin && robot->states != NULL) {
-        fprintf(to, "  joints as the SRDF file has them: --state, one of %s\n",
-                tool_shown(robot->states));
-    } else if (answer->jam_count > 0 && answer->jams[0].is_at_begin) {
-        fprintf(to, "  what touches by design: --allow %s,%s\n",
-                part_of(robot, answer->jams[0].shapes[0]),
-                part_of(robot, answer->jams[0].shapes[1]));
-    }
+    print_meeting(to, robot, answer);
     if (answer->gap_count > 0) {
         print_gaps(to, robot, range, answer);
     }
@@ -208,15 +248,21 @@ enum sweep_verdict sweep_hit_verdict(const struct sweep_hit *hit)
 }
 
 void sweep_report_edge(FILE *to, const struct robot *robot, uint64_t line,
-                       const struct sweep_hit *hit)
+                       double *const ends[2], const struct sweep_hit *hit)
 {
     fprintf(to, "edge       line %" PRIu64 ": %s", line,
             sweep_verdict_name(sweep_hit_verdict(hit)));
     if (hit->is_there) {
-        fprintf(to, ", t %s: %s and %s", tool_shown_interval(hit->t[0], hit->t[1]),
-                part_of(robot, hit->shapes[0]), part_of(robot, hit->shapes[1]));
+        fprintf(to, ", t %s", tool_shown_interval(hit->t[0], hit->t[1]));
+    }
+    if (hit->is_there && !hit->is_unknown) {
+        fprintf(to, ": %s and %s", part_of(robot, hit->shapes[0]),
+                part_of(robot, hit->shapes[1]));
     }
     fprintf(to, "\n");
+    for (uint32_t i = 0; i < robot->joint_count; i++) {
+        note_beyond(to, robot, i, (const double[2]){ends[0][i], ends[1][i]});
+    }
 }
 
 /* ---- JSON -------------------------------------------------------------------------- */
@@ -258,6 +304,7 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
     const struct robot *robot = sweep->robot;
     json_t *value = json_object(), *others = json_object();
     json_t *jams = json_array(), *gaps = json_array(), *beyond = json_array();
+    json_t *meeting = json_array();
     bool ok = true;
     for (uint32_t i = 0; i < robot->joint_count; i++) {
         bool is_swept = robot->joints[i].kind == PCCD_JOINT_FIXED;
@@ -265,7 +312,9 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
             is_swept = is_swept || range->joints[k] == i ||
                        robot->joints[i].leader == range->joints[k];
         }
-        if (is_beyond(robot, range, values, i)) {
+        double ends[2];
+        take_ends(robot, range, values, i, ends);
+        if (is_beyond(&robot->joints[i], ends)) {
             json_append(beyond, json_text(robot->joints[i].name), &ok);
         }
         if (!is_swept) {
@@ -283,6 +332,11 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
                  json_boolean(is_within_bracket(sweep, &answer->jams[i])), &ok);
         json_append(jams, jam, &ok);
     }
+    for (size_t i = 0; i < answer->meeting_count; i++) {
+        char pair[2 * NAME_BYTES];
+        write_pair(robot, &answer->meeting[i], pair);
+        json_append(meeting, json_text(pair), &ok);
+    }
     for (size_t i = 0; i < answer->gap_count; i++) {
         json_append(gaps, box_json(robot, range, &answer->gaps[i], &ok), &ok);
     }
@@ -292,6 +346,7 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
     json_set(value, "beyond_limits", beyond, &ok);
     json_set(value, "verdict", json_string(sweep_verdict_name(answer->verdict)), &ok);
     json_set(value, "jams", jams, &ok);
+    json_set(value, "initial_pairs", meeting, &ok);
     json_set(value, "undecided", json_real(answer->undecided), &ok);
     json_set(value, "undecided_boxes", gaps, &ok);
     bool has_least = isfinite(answer->least[1]);
@@ -310,15 +365,23 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
 }
 
 json_t *sweep_report_edge_json(const struct robot *robot, uint64_t line,
-                               const struct sweep_hit *hit)
+                               double *const ends[2], const struct sweep_hit *hit)
 {
-    json_t *value = json_object();
+    json_t *value = json_object(), *beyond = json_array();
     bool ok = true;
+    for (uint32_t i = 0; i < robot->joint_count; i++) {
+        if (is_beyond(&robot->joints[i], (const double[2]){ends[0][i], ends[1][i]})) {
+            json_append(beyond, json_text(robot->joints[i].name), &ok);
+        }
+    }
     json_set_count(value, "line", line, &ok);
     json_set(value, "verdict", json_string(sweep_verdict_name(sweep_hit_verdict(hit))),
              &ok);
+    json_set(value, "beyond_limits", beyond, &ok);
     json_set(value, "t", hit->is_there ? interval(hit->t) : json_null(), &ok);
-    json_set(value, "parts", hit->is_there ? parts_json(robot, hit->shapes) : json_null(),
+    json_set(value, "parts",
+             hit->is_there && !hit->is_unknown ? parts_json(robot, hit->shapes)
+                                               : json_null(),
              &ok);
     if (!ok) {
         json_decref(value);

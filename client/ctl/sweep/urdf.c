@@ -105,10 +105,11 @@ static void take_geometry(struct reader *reader, const struct xml_element *of,
         }
         (void)xml_numbers(reader->xml, of, name, count, &to->size[k], whose);
         for (uint32_t c = k; c < k + count; c++) {
-            bool is_right = to->form == ROBOT_MESH ? to->size[c] != 0 : to->size[c] > 0;
-            if (!is_right || fabs(to->size[c]) > 1e18) {
-                xml_refuse(reader->xml, of, "%s: %s=\"%s\" of <%s> leaves nothing of it",
-                           whose, name, tool_shown(xml_text(of, name)), of->name);
+            bool is_there = to->form == ROBOT_MESH ? to->size[c] != 0 : to->size[c] > 0;
+            if (!is_there || fabs(to->size[c]) > 1e18) {
+                xml_refuse(reader->xml, of, "%s: %s=\"%s\" of <%s> %s", whose, name,
+                           tool_shown(xml_text(of, name)), of->name,
+                           is_there ? "is larger than 1e18" : "leaves nothing of it");
             }
         }
     }
@@ -349,16 +350,21 @@ static void take_pairs(struct reader *reader, const char *state)
     static const char *const ends[] = {"link1", "link2"};
     struct robot *robot = reader->robot;
     const struct xml_element *root = reader->xml->root;
+    const char *name = xml_text(root, "name"), *own = xml_text(robot->xml.root, "name");
     bool has_state = state == NULL;
     if (strcmp(root->name, "robot") != 0 || xml_find(root->child, "link") != NULL) {
         xml_refuse(reader->xml, root, "no SRDF: %s",
                    strcmp(root->name, "robot") != 0 ? "it does not begin with <robot>"
                                                     : "it has links, as URDF has");
+    } else if (name != NULL && own != NULL && strcmp(name, own) != 0) {
+        xml_refuse(reader->xml, root,
+                   "it is of the robot \"%s\", and the URDF of another",
+                   tool_shown(name));
     }
     for (const struct xml_element *at = root->child;
          at != NULL && reader->xml->status == PCCD_OK; at = at->next) {
         uint32_t parts[2] = {0, 0};
-        const char *name = xml_text(at, "name");
+        name = xml_text(at, "name");
         if (strcmp(at->name, "group_state") == 0 && state != NULL && name != NULL &&
             strcmp(name, state) == 0) {
             take_state(reader, at);
