@@ -161,6 +161,5 @@ int ctl_name_object(struct pccd_client *client, uint32_t scene, uint32_t object,
 {
     char text[PROTO_STR_MAX + 1];
     (void)snprintf(text, sizeof text, "%s", name);
-    int status = pccd_object_name(client, scene, object, text);
-    return status == PCCD_E_VERSION ? PCCD_OK : status;
+    return pccd_object_name(client, scene, object, text);
 }

@@ -52,8 +52,7 @@ int ctl_link_command(const struct option_table *table, int argc, char **argv,
                      int (*run)(struct pccd_client *client, void *options));
 void ctl_link_deinit(struct ctl_link *link);
 
-/* Say what an object is called, cut to what a name may have, as pccd_object_name does; a
- * daemon that knows no names is not told. */
+/* Say what an object is called, cut to what a name may have, as pccd_object_name does. */
 int ctl_name_object(struct pccd_client *client, uint32_t scene, uint32_t object,
                     const char *name);
 

@@ -58,7 +58,7 @@ static int check_part(struct pccd_client *client, const struct pccd_batch_part *
 static int check_parts(struct pccd_client *client, const struct pccd_batch_part *parts,
                        uint32_t part_count, struct pccd_batch **batch)
 {
-    int status;
+    int status = 0;
 
     if (batch == NULL || parts == NULL || part_count == 0) {
         return cli_fail(client, PCCD_E_INVAL, "%s",
@@ -68,7 +68,6 @@ static int check_parts(struct pccd_client *client, const struct pccd_batch_part 
         return cli_fail(client, PCCD_E_LIMIT, "a batch has at most %u parts, not %u",
                         PROTO_SEGMENTS_MAX, part_count);
     }
-    status = cli_check_feature(client, PROTO_FEATURE_BATCH, "batch.submit");
     for (uint32_t i = 0; status == 0 && i < part_count; i++) {
         status = check_part(client, parts, i);
     }
@@ -136,7 +135,6 @@ static int take_joints(struct pccd_batch *batch, const uint32_t *joint_counts,
                        uint32_t scene_count)
 {
     const struct proto_segment *segment = batch->segments;
-    bool turns = false;
 
     if (joint_counts != NULL && scene_count != batch->scene_count) {
         return cli_fail(batch->client, PCCD_E_INVAL, "joints of %u scenes, there are %u",
@@ -147,7 +145,6 @@ static int take_joints(struct pccd_batch *batch, const uint32_t *joint_counts,
 
         batch->joint_counts[i] = count;
         for (uint32_t k = 0; k < batch->scenes[i].segments; k++, segment++) {
-            turns = turns || segment->kind == PROTO_SEGMENT_TURNING;
             if (segment->kind == PROTO_SEGMENT_TURNING &&
                 (segment->first >= count || count > PROTO_JOINTS_MAX)) {
                 return cli_fail(batch->client, PCCD_E_INVAL,
@@ -158,8 +155,7 @@ static int take_joints(struct pccd_batch *batch, const uint32_t *joint_counts,
             }
         }
     }
-    return turns ? cli_check_feature(batch->client, PROTO_FEATURE_TURNING, "batch.submit")
-                 : 0;
+    return 0;
 }
 
 int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *parts,

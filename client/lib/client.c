@@ -23,37 +23,6 @@ int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     return status;
 }
 
-/* The errors for a daemon that lacks a feature, where the call does not say it. */
-static const struct {
-    uint64_t feature;
-    const char *lacks;
-} lacks[] = {
-    {PROTO_FEATURE_FILTERS, "; it tests every object against every other one"},
-    {PROTO_FEATURE_SHARED, "; it has no scenes that clients share"},
-    {PROTO_FEATURE_HELD, "; it does not tell what it holds"},
-    {PROTO_FEATURE_THICK, "; to it all features are without thickness"},
-    {PROTO_FEATURE_FREE, "; it knows triangles alone"},
-    {PROTO_FEATURE_TELLS, "; it does not tell what crosses"},
-    {PROTO_FEATURE_TOUCHING, "; it does not tell what becomes of what touches"},
-    {PROTO_FEATURE_TURNING, "; to it all that moves goes straight"},
-    {PROTO_FEATURE_CLEARANCE, "; to it two objects have no clearance of their own"},
-    {PROTO_FEATURE_NAMES, "; it cannot tell others what an object is called"},
-};
-
-int cli_check_feature(struct pccd_client *client, uint64_t feature, const char *what)
-{
-    const char *text = "";
-
-    if ((client->link.features & feature) != 0) {
-        return 0;
-    }
-    for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++) {
-        text = lacks[i].feature == feature ? lacks[i].lacks : text;
-    }
-    return cli_fail(client, PCCD_E_VERSION, "%s: the daemon at %s is older than this%s",
-                    what, client->url, text);
-}
-
 uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms)
 {
     int wait_ms = timeout_ms < 0 ? client->timeout_ms : timeout_ms;

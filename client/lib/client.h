@@ -202,10 +202,6 @@ void cli_user_data_deinit(struct pccd_client *client);
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Check that the daemon has a feature, one bit of PROTO_FEATURE_*, which `what`, a method
- * or a call, needs: 0, or PCCD_E_VERSION with a text. */
-int cli_check_feature(struct pccd_client *client, uint64_t feature, const char *what);
-
 /* ---- whose turn it is -------------------------------------------------------------- */
 
 /* A call of the thread that makes it, until cli_leave. */

@@ -193,10 +193,8 @@ static int connect_any(struct pccd_client *client, const struct pccd_options *as
         status = cli_link_first(client, cli_deadline(client, -1));
     }
     if (status == 0) {
-        /* A daemon that cannot be told the old handles cannot be told anything. */
         client->link.is_established = true;
-        client->link.can_restore = client->link.patience_ns > 0 && !options.no_keep &&
-                                   (client->link.features & PROTO_FEATURE_RESUME) != 0;
+        client->link.can_restore = client->link.patience_ns > 0 && !options.no_keep;
         client->keeps = client->link.can_restore;
         status = cli_record_environment(client);
     }

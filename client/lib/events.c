@@ -108,10 +108,6 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
     int status = 0;
 
     CLI_ENTER_OR_RETURN(client);
-    status = cli_check_feature(client, PROTO_FEATURE_HELD, "scene.held");
-    if (status != 0) {
-        return status;
-    }
     deadline_ns = cli_deadline(client, timeout_ms);
     cli_step_drain(client);
     call = find_frame(client, step);
@@ -257,14 +253,8 @@ static int ask(struct pccd_client *client)
 {
     struct proto_WATCH_START_request request = {.session = client->watch->of_session,
                                                 .scene = client->watch->of_scene};
-    int status;
-
-    status = cli_check_feature(client, PROTO_FEATURE_OBSERVE, "watch");
-    if (status != 0) {
-        return status;
-    }
-    status = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
-                           cli_deadline(client, -1));
+    int status = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
+                               cli_deadline(client, -1));
     client->watch->epoch = client->link.epoch;
     return status;
 }

@@ -202,11 +202,7 @@ static int put_joints(struct pccd_client *client, uint32_t slot, struct cli_join
     struct cli_slot *own = &client->ring.slots[slot];
     const struct proto_joints head = {.count = joints.count};
     uint8_t *to = cli_slot_payload(&client->ring, slot) + own->used_bytes;
-    int status = cli_check_feature(client, PROTO_FEATURE_TURNING, "joints");
 
-    if (status != 0) {
-        return status;
-    }
     if (joints.count > PROTO_JOINTS_MAX ||
         PROTO_JOINTS_BYTES(joints.count) > own->limit_bytes - own->used_bytes) {
         return cli_fail(client, PCCD_E_LIMIT,

@@ -25,18 +25,12 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
     return 0;
 }
 
-/* A request that may be made: nothing that must be given is NULL, and the daemon knows
- * the method. */
+/* Check that a request may be made: nothing that must be given is NULL. */
 static int check(struct pccd_client *client, int method, bool given)
 {
-    const char *what = proto_messages[method].name;
-    int status;
-
-    if (!given) {
-        return cli_fail(client, PCCD_E_INVAL, "%s: an argument is NULL", what);
-    }
-    status = cli_alive(client);
-    return status == 0 ? cli_check_feature(client, PROTO_FEATURE_OBSERVE, what) : status;
+    return given ? cli_alive(client)
+                 : cli_fail(client, PCCD_E_INVAL, "%s: an argument is NULL",
+                            proto_messages[method].name);
 }
 
 static int call(struct pccd_client *client, int method, const void *request, void *result)

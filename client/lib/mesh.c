@@ -165,12 +165,6 @@ static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *d
         return cli_fail(client, PCCD_E_INVAL, "mesh: %s", wrong);
     }
     status = cli_alive(client);
-    if (status == 0 && is_free) {
-        status = cli_check_feature(client, PROTO_FEATURE_FREE, "mesh.data");
-    }
-    if (status == 0 && data->radii != NULL) {
-        status = cli_check_feature(client, PROTO_FEATURE_THICK, "mesh.data");
-    }
     if (status == 0 && client->ring.upload.base == NULL) {
         status = cli_ring_reserve(client, first_slot_bytes(client, data),
                                   cli_deadline(client, -1));

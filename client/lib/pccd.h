@@ -228,11 +228,10 @@ int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
 /* Tell what was agreed on when connecting; the strings live as long as the client. */
 int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info);
 
-/* The lists, histograms, settings and steps below need a daemon that offers them
- * (E_VERSION otherwise). A list is no snapshot: it is read entry by entry, while other
- * clients go on, and told by `each` when all is read. If another daemon takes the place
- * of the one that is asked, the list is its own; E_HANDLE of a session that only the
- * other one had. `each` may not call the library with this client.
+/* A list is no snapshot: it is read entry by entry, while other clients go on, and told
+ * by `each` when all is read. If another daemon takes the place of the one that is asked,
+ * the list is its own; E_HANDLE of a session that only the other one had. `each` may not
+ * call the library with this client.
  *
  * List the sessions of this client's user, the newest first, or of everybody when that
  * user is root or the daemon's own. */
@@ -334,8 +333,7 @@ struct pccd_mesh_data {
 };
 /* Create a mesh where *mesh is 0, as pccd_mesh_create; else replace *mesh, as
  * pccd_mesh_replace. The errors of both; also E_INVAL: a radius that is negative or not
- * finite, E_LIMIT: one above 1e18, E_VERSION: a daemon that knows of no radii, or no
- * edges and points. */
+ * finite, E_LIMIT: one above 1e18. */
 int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *data,
                   uint32_t *mesh, struct pccd_mesh_info *info);
 /* Copy the unique edges, info.edge_count of them, in the order of the records' feature
@@ -355,7 +353,7 @@ struct pccd_scene_settings {
 
 /* Create an empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY;
  * of a named scene E_STATE (there is one), E_AGAIN (there is none yet, to take part in),
- * E_ACCESS, E_VERSION (the daemon knows no such scenes). */
+ * E_ACCESS. */
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene);
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene);
@@ -434,7 +432,7 @@ struct pccd_object_settings {
 
 /* Set what settings->what names, for steps that are submitted from now on. Errors:
  * E_HANDLE; E_INVAL: a radius or distance that is negative or not finite; E_LIMIT: one
- * above 1e18, or too many rings; E_VERSION: a daemon that does not know of filters. */
+ * above 1e18, or too many rings. */
 int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
                     const struct pccd_object_settings *settings);
 /* Get all of them; user_data, which the first release does not have, where struct_bytes
@@ -450,7 +448,7 @@ int pccd_user_data(struct pccd_client *client, uint32_t scene, const uint32_t *o
  * daemon (pccd_list_objects), or at recordings of this client and of others that share
  * the scene: they are told the name, and else a number. UTF-8, at most 255 bytes; NULL,
  * "": it has no name any more. Errors as of pccd_object_set, and E_INVAL: the name is
- * longer; E_VERSION: the daemon knows no names. */
+ * longer. */
 int pccd_object_name(struct pccd_client *client, uint32_t scene, uint32_t object,
                      const char *name);
 /* Make two objects ignore each other, or (ignored = false) meet again, by their radii.
@@ -530,8 +528,7 @@ struct pccd_step_settings {
                                 `start_inside` of the answer. It costs about as much as
                                 the question CROSSINGS of pccd_near.h; bodies that turn
                                 begin at their places as these are rounded. Not of a
-                                batch, nor with `hold` (E_INVAL). E_VERSION: the daemon
-                                is older than this */
+                                batch, nor with `hold` (E_INVAL) */
     /* What becomes of two features that touch at t = 0, or are too near then; not in mode
      * pairs. 0: they are a contact at t = 0. TOLD: that has one of three flags, too,
      * which say what happens just after t = 0, exactly. PCCD_ENTERS: it approaches, the
@@ -548,13 +545,11 @@ struct pccd_step_settings {
      * PCCD_INSIDE, where it comes below 1 - 2^-20 of what it was. A pair is two features:
      * what slides along a surface comes nearer to edges ahead. Costs some 20 us of a
      * processor for a pair; nothing is kept from step to step. E_INVAL where bodies turn:
-     * there `approach` takes what begins near. E_VERSION: the daemon is older than
-     * this */
+     * there `approach` takes what begins near */
     enum pccd_touching touching;
     /* Of bodies that turn (pccd_turning.h): a pair that is not proved is possible where
      * it comes within so much more than the distance at which it meets, in the unit of
-     * coordinates. 0 .. 1e18; 0: 2^-20 of the size of the two bodies, the larger one's.
-     * E_VERSION: the daemon is older than this */
+     * coordinates. 0 .. 1e18; 0: 2^-20 of the size of the two bodies, the larger one's */
     double resolution;
     /* On which motions turn that are given with these settings (struct pccd_motion); of a
      * frame pccd_frame_joints has them, and a batch has none (E_INVAL). NULL: none */
@@ -743,8 +738,7 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
 /* Wait until a frame that was committed with `hold` is ready: from then on the next
  * step of the scene takes it along. Returns 0 also when it has been answered already;
  * take the answer as usual. timeout_ms < 0: the client's default. Errors: E_AGAIN
- * (timeout_ms = 0), E_TIMEOUT; E_INVAL: no such step; E_VERSION: the daemon is too old
- * to tell. */
+ * (timeout_ms = 0), E_TIMEOUT; E_INVAL: no such step. */
 int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms);
 /* Get a further page of the answer to `step`, from the record at `cursor` on. `step` is
  * the last step of `scene`, or its last question about what is near (pccd_near.h). If
@@ -823,8 +817,8 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
  * Shared scenes: the daemon keeps what anybody does to the scene (up to 128 MiB a scene,
  * charged as shared memory) until this client's next call fetches it. Such a recording
  * ends with E_LIMIT if that call comes too late, with E_DISCONNECTED when another daemon
- * takes the place of a lost one, with E_VERSION if the daemon keeps nothing, and with
- * E_STATE where the recording is in several segments. */
+ * takes the place of a lost one, and with E_STATE where the recording is in several
+ * segments. */
 struct pccd_record_settings {
     uint64_t max_bytes; /* of all files; 0: no bound */
     uint32_t segments;  /* 0, 1: one file, and recording ends when it is full. 2 .. 64: a

@@ -69,14 +69,13 @@ struct pccd_batch_part {
  * behind the other; scenes are numbered from 0 as they come. Handles are looked at by the
  * daemon, at each step: a part may name an object that is made, or replaced, later.
  * Errors: E_INVAL: no parts, or one that says no way to move; E_LIMIT: more than 65 536
- * scenes or parts; E_VERSION: the daemon knows of no batches; E_NOMEM. */
+ * scenes or parts; E_NOMEM. */
 int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *parts,
                       uint32_t part_count, struct pccd_batch **batch);
 /* Create one in which bodies turn, too (pccd_turning.h): scene i has a table of
  * joint_counts[i] joints, or 0: none, and brings it at each step as the x1 of its parts
  * that turn, struct pccd_joint [joint_counts[i]], the same one for all of them. E_INVAL:
- * also a part on a joint that its scene has not; E_VERSION: the daemon knows of no
- * joints. */
+ * also a part on a joint that its scene has not. */
 int pccd_batch_create_turning(struct pccd_client *client,
                               const struct pccd_batch_part *parts, uint32_t part_count,
                               const uint32_t *joint_counts, uint32_t scene_count,

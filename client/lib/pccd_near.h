@@ -72,8 +72,7 @@ struct pccd_near_settings {
     uint32_t reserved;    /* 0 */
     bool tells_crossings; /* PAIRS, FEATURES, VERTICES: count the crossings, too. They are
                              looked for by themselves, which adds half to two thirds of
-                             the work (bench/peers/NEAR.md). E_VERSION: the daemon is
-                             older than this */
+                             the work (bench/peers/NEAR.md) */
     /* On which motions turn that are given with these settings, as in struct
      * pccd_step_settings: what is near is asked of one of their ends. NULL: none */
     const struct pccd_joint *joints; /* [joint_count] */

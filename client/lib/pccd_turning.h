@@ -120,8 +120,7 @@ int pccd_joints_place(const struct pccd_joint *joints, uint32_t count, uint32_t 
 /* Copy a table of joints into a frame, once, before what hangs on it; count: 1 .. 65536.
  * Count 8 + 136 * count bytes of payload for it, and a segment for each object. Joints
  * are judged by the daemon: an answer with E_SEGMENT names the joint and what is wrong
- * with it. E_LIMIT: more than was announced; E_STATE: there is one; E_VERSION: a daemon
- * that knows of no joints. */
+ * with it. E_LIMIT: more than was announced; E_STATE: there is one. */
 int pccd_frame_joints(struct pccd_frame *frame, const struct pccd_joint *joints,
                       uint32_t count);
 /* Add a segment by which all of an object hangs on a joint of the table: its registered

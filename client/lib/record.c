@@ -88,8 +88,6 @@ int pccd_record_start(struct pccd_client *client, const char *path,
     }
     settings = settings != NULL ? settings : &defaults;
     status = check_settings(client, settings);
-    status =
-        status != 0 ? status : cli_check_feature(client, PROTO_FEATURE_HASH_2, "record");
     if (status != 0) {
         return status;
     }

@@ -348,10 +348,6 @@ int cli_journal_begin(struct pccd_client *client, uint32_t scene)
     if (!cli_record_is_on(client)) {
         return 0;
     }
-    if ((client->link.features & PROTO_FEATURE_JOURNAL) == 0) {
-        return refuse(client, PCCD_E_VERSION,
-                      "the daemon is too old to tell what others do to it");
-    }
     if (client->recorder->segments_max > 1) {
         return refuse(client, PCCD_E_STATE,
                       "it cannot be recorded in a ring of segments, only in one file");

@@ -54,34 +54,19 @@ static int destroy_again(struct pccd_client *client)
     return 0;
 }
 
-/* A daemon that tests everything would answer other bytes than the last one. */
-static int check_filters(struct pccd_client *client, const struct registry_scene *scene)
-{
-    if (registry_is_filtered(scene) &&
-        (client->link.features & PROTO_FEATURE_FILTERS) == 0) {
-        return cli_fail(client, PCCD_E_VERSION,
-                        "the new daemon at %s is older than the last one: it cannot be "
-                        "told which objects may meet",
-                        client->url);
-    }
-    return 0;
-}
-
 /* Restore what the objects of a scene may meet. Most have nothing that was ever set. */
 static int restore_filters(struct cli_pipeline *pipeline, struct registry_scene *scene)
 {
-    int status;
+    int status = 0;
 
     registry_pairs_settle(&scene->pairs);
-    status = check_filters(pipeline->client, scene);
     for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
         const struct registry_object *object = &scene->objects[i];
         struct proto_OBJECT_SET_request set = {
             .scene = scene->handle, .object = object->handle, .what = object->what};
 
         COMMON_ATTRIBUTES_COPY(&set, &object->attributes);
-        set.has_name = object->name != NULL &&
-                       (pipeline->client->link.features & PROTO_FEATURE_NAMES) != 0;
+        set.has_name = object->name != NULL;
         if (set.has_name) {
             (void)snprintf(set.name, sizeof set.name, "%s", object->name);
         }
@@ -148,13 +133,11 @@ struct placing {
 static int flush(struct placing *placing)
 {
     struct pccd_client *client = placing->pipeline->client;
-    /* A daemon that tells what is near knows by this that nobody stepped here. */
-    bool places = placing->scene->settings.name[0] != '\0' ||
-                  (client->link.features & PROTO_FEATURE_NEAR) != 0;
+    /* `place`: the daemon knows by this that nobody stepped here. */
     struct proto_FRAME_SUBMIT_request request = {.scene = placing->scene->handle,
                                                  .slot = placing->slot,
                                                  .mode = PCCD_MODE_ANY,
-                                                 .place = places,
+                                                 .place = true,
                                                  .deadline_ns = AT_ONCE};
     int status;
 

@@ -21,7 +21,7 @@ static int take_name(struct pccd_client *client, const char *name,
                         PROTO_STR_MAX);
     }
     memcpy(request->name, name, bytes + 1);
-    return cli_check_feature(client, PROTO_FEATURE_SHARED, "scene.create");
+    return 0;
 }
 
 /* Share a scene as its settings say. */
@@ -158,10 +158,6 @@ static int check_settings(struct pccd_client *client,
                         "object.set: what is 0x%x, this library knows the bits 0x%x",
                         settings->what, COMMON_OBJECT_KNOWN);
     }
-    if (settings->what != (uint32_t)PCCD_OBJECT_ALL &&
-        (settings->what & COMMON_OBJECT_THICK) != 0) {
-        return cli_check_feature(client, PROTO_FEATURE_THICK, "object.set");
-    }
     return 0;
 }
 
@@ -169,12 +165,9 @@ static int call_set(struct pccd_client *client,
                     const struct proto_OBJECT_SET_request *request,
                     struct proto_OBJECT_SET_result *result)
 {
-    int status = cli_check_feature(client, PROTO_FEATURE_FILTERS, "object.set");
-
-    if (status == 0) {
-        status = cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
+    int status = cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
                                cli_deadline(client, -1));
-    }
+
     return status != 0 ? status
                        : cli_user_data_note(client, request->scene, request->object,
                                             result->user_data);
@@ -211,7 +204,6 @@ int pccd_object_name(struct pccd_client *client, uint32_t scene, uint32_t object
         .scene = scene, .object = object, .has_name = true};
     struct proto_OBJECT_SET_result result;
     size_t bytes = name != NULL ? strlen(name) : 0;
-    int status;
 
     CLI_ENTER_OR_RETURN(client);
     if (bytes > PROTO_STR_MAX) {
@@ -222,8 +214,7 @@ int pccd_object_name(struct pccd_client *client, uint32_t scene, uint32_t object
     if (bytes > 0) {
         memcpy(request.name, name, bytes);
     }
-    status = cli_check_feature(client, PROTO_FEATURE_NAMES, "object.set");
-    return status != 0 ? status : call_set(client, &request, &result);
+    return call_set(client, &request, &result);
 }
 
 int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
@@ -251,16 +242,12 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
     return status;
 }
 
-static int set_pair(struct pccd_client *client, uint64_t feature,
+static int set_pair(struct pccd_client *client,
                     const struct proto_SCENE_IGNORE_request *request)
 {
-    int status;
-
     CLI_ENTER_OR_RETURN(client);
-    status = cli_check_feature(client, feature, "scene.ignore");
-    return status != 0 ? status
-                       : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, request, NULL,
-                                       cli_deadline(client, -1));
+    return cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, request, NULL,
+                         cli_deadline(client, -1));
 }
 
 int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
@@ -269,7 +256,7 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
     const struct proto_SCENE_IGNORE_request request = {
         .scene = scene, .a = object_a, .b = object_b, .ignored = ignored};
 
-    return set_pair(client, PROTO_FEATURE_FILTERS, &request);
+    return set_pair(client, &request);
 }
 
 int pccd_pair_clearance(struct pccd_client *client, uint32_t scene, uint32_t object_a,
@@ -281,7 +268,7 @@ int pccd_pair_clearance(struct pccd_client *client, uint32_t scene, uint32_t obj
                                                        .has_clearance = true,
                                                        .clearance = clearance};
 
-    return set_pair(client, PROTO_FEATURE_CLEARANCE, &request);
+    return set_pair(client, &request);
 }
 
 /* ---- what its hierarchies look like ------------------------------------------------ */

@@ -89,18 +89,6 @@ static int describe_step(struct pccd_client *client, const void *asked, uint32_t
     if (settings.tuning != NULL) {
         status = put_tuning(client, settings.tuning, message->tuning);
     }
-    if (status == 0 && (settings.separation != 0.0 || settings.approach != 0.0)) {
-        status = cli_check_feature(client, PROTO_FEATURE_THICK, "frame.submit");
-    }
-    if (status == 0 && settings.touching != PCCD_TOUCHING_KEPT) {
-        status = cli_check_feature(client, PROTO_FEATURE_TOUCHING, "frame.submit");
-    }
-    if (status == 0 && settings.resolution != 0.0) {
-        status = cli_check_feature(client, PROTO_FEATURE_TURNING, "frame.submit");
-    }
-    if (status == 0 && settings.tells_start) {
-        status = cli_check_feature(client, PROTO_FEATURE_TELLS, "frame.submit");
-    }
     return status;
 }
 
@@ -131,12 +119,8 @@ static int describe_near(struct pccd_client *client, const void *asked, uint32_t
                          struct proto_SCENE_NEAR_request *message)
 {
     struct pccd_near_settings settings;
-    int status = cli_check_feature(client, PROTO_FEATURE_NEAR, "scene.near");
+    int status = read_near_settings(client, asked, &settings);
 
-    status = status != 0 ? status : read_near_settings(client, asked, &settings);
-    if (status == 0 && settings.tells_crossings) {
-        status = cli_check_feature(client, PROTO_FEATURE_TELLS, "scene.near");
-    }
     if (status != 0) {
         return status;
     }

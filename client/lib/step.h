@@ -68,7 +68,7 @@ int cli_step_check(struct pccd_client *client);
 
 /* Fill in the message of a verb with the caller's settings, which may be of a program
  * that knows a later struct; NULL: the defaults. `scene` is not of a batch. Slot and
- * number are left to cli_step_send. Returns 0, or E_INVAL or E_VERSION with a text. */
+ * number are left to cli_step_send. Returns 0, or E_INVAL with a text. */
 int cli_step_describe(struct pccd_client *client, int verb, const void *settings,
                       uint32_t scene, union cli_params *message);
 

@@ -381,16 +381,6 @@ int registry_name_object(struct registry_object *object, const char *name, size_
     return 0;
 }
 
-bool registry_is_filtered(const struct registry_scene *scene)
-{
-    bool any = scene->pairs.count > 0;
-
-    for (uint32_t i = 0; i < scene->object_count && !any; i++) {
-        any = scene->objects[i].what != 0;
-    }
-    return any;
-}
-
 bool registry_may_meet(const struct registry_scene *scene,
                        const struct registry_object *a, const struct registry_object *b)
 {

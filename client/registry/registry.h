@@ -217,9 +217,6 @@ void registry_set_object(struct registry_object *object, uint32_t what,
 /* Give it a name of so many bytes, in the place of the one it has; of none: no name. 0 or
  * PCCD_E_NOMEM: it has the one of before. */
 int registry_name_object(struct registry_object *object, const char *name, size_t bytes);
-/* Return whether anything was ever set of what its objects may meet, and not taken back;
- * its pairs may have to be settled before. */
-bool registry_is_filtered(const struct registry_scene *scene);
 /* Return whether these two objects, or this one and itself, are tested against each
  * other. The scene's pairs are settled. */
 bool registry_may_meet(const struct registry_scene *scene,

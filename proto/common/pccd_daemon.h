@@ -25,7 +25,7 @@ struct pccd_daemon_info {
     uint32_t pid;
     uint32_t version;     /* of the protocol that both speak */
     uint32_t threads_max; /* of a step */
-    uint64_t features;    /* bits, as in hello */
+    uint64_t features;    /* bits, as in hello; 0 */
     uint64_t epoch;       /* another with each start of the daemon */
     uint64_t session;     /* number of this client's */
 };

@@ -15,24 +15,6 @@
 #define PROTO_REPLIES_KEPT       32u    /* of a resumable session, to be sent again */
 #define PROTO_LINGER_S           5u     /* that such a session waits for its client */
 
-/* Bits of hello's `features`. */
-#define PROTO_FEATURE_RESUME  1u
-#define PROTO_FEATURE_FILTERS 2u    /* object.set, scene.ignore */
-#define PROTO_FEATURE_OBSERVE 4u    /* list, stats.histogram, config, watch */
-#define PROTO_FEATURE_SHARED  8u    /* scenes that sessions share */
-#define PROTO_FEATURE_JOURNAL 16u   /* scene.journal */
-#define PROTO_FEATURE_HELD    32u   /* scene.held is told */
-#define PROTO_FEATURE_HASH_2  64u   /* hashes of answers are of version 2; without: 1 */
-#define PROTO_FEATURE_NEAR    128u  /* scene.near, near.fetch; place in any scene */
-#define PROTO_FEATURE_THICK   256u  /* radii, separation and approach */
-#define PROTO_FEATURE_FREE    512u  /* edges and points that are named by themselves */
-#define PROTO_FEATURE_BATCH   1024u /* batch.submit */
-#define PROTO_FEATURE_TELLS   2048u /* tells_start, tells_crossings */
-#define PROTO_FEATURE_TOUCHING 4096u /* what becomes of what touches */
-#define PROTO_FEATURE_TURNING  8192u /* bodies that hang on joints; resolution */
-#define PROTO_FEATURE_CLEARANCE 16384u /* of two objects, in scene.ignore */
-#define PROTO_FEATURE_NAMES     32768u /* of objects, in object.set */
-
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u
 

@@ -5,7 +5,6 @@
 
 #include "crossing.h"
 #include "daemon.h"
-#include "false_daemon.h"
 #include "must.h"
 #include "object_attributes.h"
 #include "raw.h"
@@ -344,27 +343,4 @@ CASE_WITH(filter__refuses_what_the_library_would_not_send, setup, teardown)
     assert_int_equal(test_raw_answer(&raw, ids[1], PROTO_METHOD_OBJECT_SET, NULL),
                      PCCD_E_HANDLE);
     test_raw_close(&raw);
-}
-
-/* A daemon from before there were filters: it answers hello, and waits for the end. */
-static void be_old(void)
-{
-    false_hello(1, PROTO_FEATURE_RESUME);
-    (void)false_next();
-}
-
-/* If it failed, a program would believe that an older daemon leaves out what it cannot,
- * or be told of a method that it never heard of. */
-CASE_WITH(filter__is_not_asked_of_an_older_daemon, NULL, false_stop)
-{
-    struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
-    struct pccd_client *of_old = NULL;
-
-    false_start(be_old);
-    assert_ok(false_connect(&of_old));
-    assert_int_equal(pccd_object_set(of_old, 1, 1, &settings), PCCD_E_VERSION);
-    assert_non_null(strstr(pccd_error_text(of_old), "older"));
-    assert_int_equal(pccd_object_get(of_old, 1, 1, &settings), PCCD_E_VERSION);
-    assert_int_equal(pccd_pair_ignore(of_old, 1, 1, 2, true), PCCD_E_VERSION);
-    pccd_close(of_old);
 }

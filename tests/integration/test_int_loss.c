@@ -57,7 +57,7 @@ static void beat(suseconds_t every_us)
 
 static void answer_hello_alone(void)
 {
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     say_nothing();
 }
 
@@ -91,7 +91,7 @@ static bool is_readable(const struct pccd_client *client)
 /* End over a ping; the next ones hang before they answer hello. */
 static void come_back_and_hang(void)
 {
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     (void)false_next();
     false_take_client();
     say_nothing();
@@ -116,7 +116,7 @@ CASE_WITH(loss__the_descriptor_is_ready_until_it_is_over, NULL, false_stop)
 /* Say what nobody understands; there is no other daemon then. */
 static void talk_nonsense_and_stay(void)
 {
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     (void)unlink(false_daemon.socket_path);
     (void)close(false_daemon.listener);
     (void)false_next();
@@ -142,7 +142,7 @@ CASE_WITH(loss__a_connection_that_was_given_up_is_ready, NULL, false_stop)
 
 static void attach_again(void)
 {
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     false_attach(false_good_ring, 2);
     (void)false_next();
 }
@@ -187,7 +187,7 @@ static void watch_and_end(void)
 {
     const struct proto_WATCH_START_result result = {.room = 1};
 
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE);
+    false_hello(PROTO_VERSION_MAX);
     (void)false_next();
     false_answer(false_daemon.envelope.id, PROTO_METHOD_WATCH_START, &result, NULL, 0);
 }
@@ -214,8 +214,7 @@ CASE_WITH(loss__a_watcher_that_does_not_wait_is_told_so, NULL, false_stop)
 
 static void end_after_hello(void)
 {
-    false_hello(PROTO_VERSION_MAX,
-                PROTO_FEATURE_RESUME | PROTO_FEATURE_SHARED | PROTO_FEATURE_HELD);
+    false_hello(PROTO_VERSION_MAX);
 }
 
 /* If it failed, who looks for news without waiting would look for ever after the daemon

@@ -7,7 +7,6 @@
 
 #include "crossing.h"
 #include "daemon.h"
-#include "false_daemon.h"
 #include "grid.h"
 #include "must.h"
 #include "raw.h"
@@ -403,7 +402,6 @@ CASE_WITH(near__is_answered_once_over_a_connection_that_is_lost, NULL, teardown)
     start_with((const char *const[]){"--linger", "5", NULL}, 2);
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_hello_again(&raw, NULL, &session), 0);
-    assert_true((session.features & PROTO_FEATURE_NEAR) != 0);
     assert_ok(test_raw_attach(&raw, 2, 4096));
     assert_ok(test_raw_build(&raw, "", test_triangle_x, &scene));
     asked[0].scene = asked[1].scene = scene.scene;
@@ -458,23 +456,4 @@ CASE_WITH(near__counts_among_the_steps_in_flight, NULL, teardown)
     assert_non_null(strstr(raw.error.text, "2 steps are in flight"));
     test_grid_expect(&grid, long_step);
     test_raw_close(&raw);
-}
-
-/* A daemon of before. */
-static void speak_as_before(void)
-{
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
-}
-
-/* If it failed, who meets a daemon of before would not hear what it lacks. */
-CASE_WITH(near__needs_a_daemon_that_knows_it, NULL, false_stop)
-{
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct pccd_client *old = NULL;
-
-    false_start(speak_as_before);
-    assert_ok(false_connect(&old));
-    assert_int_equal(pccd_ask_near(old, 1, NULL, 0, NULL, &answer), PCCD_E_VERSION);
-    assert_non_null(strstr(pccd_error_text(old), "scene.near: the daemon at"));
-    pccd_close(old);
 }

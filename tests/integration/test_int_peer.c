@@ -22,7 +22,7 @@
 
 static void choose_another_version(void)
 {
-    false_hello(PROTO_VERSION_MAX + 1, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX + 1);
     (void)false_next();
 }
 
@@ -79,7 +79,7 @@ CASE_WITH(peer__that_says_goodbye_is_quoted, NULL, false_stop)
 
 static void talk_nonsense(void)
 {
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     (void)false_next();
     (void)proto_send(false_daemon.socket, "\xdd\xff\xff\xff\xff", 5, NULL, 0);
     (void)false_next();
@@ -105,7 +105,7 @@ static void lie_about_memory(void)
 {
     struct proto_SHM_ATTACH_result ring = false_good_ring;
 
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     switch (lie) {
     case 0:
         false_attach(ring, 0);
@@ -189,7 +189,7 @@ static void lie_about_pages(void)
         {4096, 1, 0},
     };
 
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     false_attach(false_good_ring, 2);
     for (size_t i = 0; i < sizeof pages / sizeof pages[0]; i++) {
         (void)false_next();
@@ -232,7 +232,7 @@ static void give_nothing(void)
     const struct proto_MESH_CREATE_result mesh = {.mesh = 0};
     const struct proto_SCENE_NEAR_result near = {.what = PCCD_NEAR_PAIRS};
 
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME | PROTO_FEATURE_NEAR);
+    false_hello(PROTO_VERSION_MAX);
     for (;;) {
         switch (false_next()) {
         case PROTO_METHOD_SHM_ATTACH:
@@ -292,7 +292,7 @@ static void answer_backwards(void)
 {
     uint32_t ids[4];
 
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     false_attach(false_good_ring, 2);
     for (int i = 0; i < 4; i++) {
         (void)false_next();
@@ -329,7 +329,7 @@ CASE_WITH(peer__that_answers_in_any_order_is_understood, NULL, false_stop)
 
 static void stop_answering(void)
 {
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     false_attach(false_good_ring, 2);
     say_nothing();
 }
@@ -419,7 +419,7 @@ static void refuse_once(void)
     struct proto_error error = {.code = PCCD_E_BUSY};
     uint32_t ids[2];
 
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     (void)false_next();
     false_take_client();
     for (int i = 0; i < 2; i++) {
@@ -432,7 +432,7 @@ static void refuse_once(void)
                          false_daemon.encoder.bytes, NULL, 0);
     }
     false_take_client();
-    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+    false_hello(PROTO_VERSION_MAX);
     (void)false_next();
     (void)proto_decode_body(&false_daemon.envelope,
                             &proto_messages[PROTO_METHOD_PING].request, &ping, &error);
@@ -499,15 +499,14 @@ static void answer_ping(void)
  * and tells it before it answers the second ping. */
 static void hold_once_more(void)
 {
-    const uint64_t features = PROTO_FEATURE_RESUME | PROTO_FEATURE_HELD;
     uint64_t step;
 
-    false_hello(PROTO_VERSION_MAX, features);
+    false_hello(PROTO_VERSION_MAX);
     false_attach(false_good_ring, 2);
     tell_held(next_step());
     (void)false_next();
     false_take_client();
-    false_hello(PROTO_VERSION_MAX, features);
+    false_hello(PROTO_VERSION_MAX);
     false_attach(false_good_ring, 2);
     step = next_step();
     for (int pings = 0; pings < 2; pings++) {

@@ -67,7 +67,6 @@ static void open_named(struct fixture *f, const char *name)
     assert_true(test_raw_open(&f->raw, f->daemon.socket));
     assert_ok(test_raw_hello_again(&f->raw, NULL, &f->session));
     assert_false(f->session.resumed);
-    assert_true((f->session.features & PROTO_FEATURE_RESUME) != 0);
     assert_true((f->session.token_hi | f->session.token_lo) != 0);
     assert_true(f->session.linger_ms > 0);
     assert_ok(test_raw_attach(&f->raw, 2, 4096));

@@ -72,13 +72,13 @@ CASE(requests__of_later_releases_are_answered)
 
 /* ---- this client, other daemons ---------------------------------------------------- */
 
-/* The false daemon says so in hello, answers pings, and knows no other method. */
+/* The version of the false daemon, which has all features, answers pings, and knows no
+ * other method. */
 static uint32_t version;
-static uint64_t features;
 
 static void serve(void)
 {
-    false_hello(version, features);
+    false_hello(version);
     for (;;) {
         if (false_next() == PROTO_METHOD_PING) {
             struct proto_PING_request ping = {.token = 0};
@@ -96,10 +96,9 @@ static void serve(void)
 }
 
 /* Start it. */
-static void begin(uint32_t its_version, uint64_t its_features)
+static void begin(uint32_t its_version)
 {
     version = its_version;
-    features = its_features;
     false_start(serve);
 }
 
@@ -111,7 +110,7 @@ CASE_WITH(daemon__of_another_version_is_refused, NULL, false_stop)
     for (size_t i = 0; i < 2; i++) {
         struct pccd_client *client = NULL;
 
-        begin(versions[i], 0);
+        begin(versions[i]);
         assert_int_equal(false_connect(&client), PCCD_E_VERSION);
         assert_null(client);
         assert_non_null(strstr(pccd_error_text(NULL), "version"));
@@ -124,47 +123,12 @@ CASE_WITH(daemon__with_unknown_features_is_used, NULL, false_stop)
 {
     uint64_t ns;
 
-    begin(PROTO_VERSION_MAX, UINT64_MAX);
+    begin(PROTO_VERSION_MAX);
     struct pccd_client *client = false_connect_good();
     assert_ok(pccd_ping(client, &ns));
     /* Its methods are not ours: what it does not know it says. */
     assert_int_equal(pccd_scene_destroy(client, 1), PCCD_E_NOMETHOD);
     assert_non_null(strstr(pccd_error_text(client), "scene.destroy"));
-    pccd_close(client);
-}
-
-static void ignore_scene(void *context, const struct pccd_scene_info *info)
-{
-    (void)context;
-    (void)info;
-}
-
-static void assert_too_old(struct pccd_client *client, int status, const char *text)
-{
-    assert_int_equal(status, PCCD_E_VERSION);
-    assert_non_null(strstr(pccd_error_text(client), text));
-    assert_non_null(strstr(pccd_error_text(client), "old"));
-}
-
-/* If it failed, a client of an older daemon would be told of a method that it never heard
- * of, or wait for what never comes; or get an answer that leaves out what it asked. */
-CASE_WITH(daemon__that_lacks_features_is_named, NULL, false_stop)
-{
-    const struct pccd_scene_settings shared = {.name = "both", .share = PCCD_SHARE_OPEN};
-    const struct pccd_object_settings filter = {.what = PCCD_OBJECT_SELF};
-    uint32_t scene = 0;
-    uint64_t ns;
-
-    begin(PROTO_VERSION_MAX, 0);
-    struct pccd_client *client = false_connect_good();
-    assert_too_old(client, pccd_scene_create(client, &shared, &scene), "share");
-    assert_int_equal(scene, 0);
-    assert_too_old(client, pccd_object_set(client, 1, 1, &filter), "object.set");
-    assert_too_old(client, pccd_pair_ignore(client, 1, 1, 2, true), "scene.ignore");
-    assert_too_old(client, pccd_list_scenes(client, 0, ignore_scene, NULL), "list.scene");
-    assert_too_old(client, pccd_watch_start(client, 0, 0), "watch");
-    assert_too_old(client, pccd_wait_held(client, 1, -1), "holds");
-    assert_ok(pccd_ping(client, &ns)); /* the rest goes on */
     pccd_close(client);
 }
 

@@ -63,10 +63,10 @@ void false_refuse(int code, const char *text)
     }
 }
 
-void false_hello(uint32_t version, uint64_t features)
+void false_hello(uint32_t version)
 {
     struct proto_HELLO_result result = {
-        .version = version, .features = features, .pid = FALSE_PID};
+        .version = version, .features = UINT64_MAX, .pid = FALSE_PID};
 
     if (false_next() == PROTO_METHOD_HELLO) {
         false_answer(false_daemon.envelope.id, PROTO_METHOD_HELLO, &result, NULL, 0);

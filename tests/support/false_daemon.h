@@ -43,7 +43,7 @@ void false_answer(uint32_t id, int method, const void *result, const int *fds, i
 /* Refuse the last request. */
 void false_refuse(int code, const char *text);
 /* Answer hello, if that is the next request. */
-void false_hello(uint32_t version, uint64_t features);
+void false_hello(uint32_t version);
 /* Answer shm.attach with true memories, of which the message says what it likes. */
 void false_attach(struct proto_SHM_ATTACH_result result, int fd_count);
 extern const struct proto_SHM_ATTACH_result false_good_ring;

@@ -327,8 +327,7 @@ class Client(Observe):
     def wait_held(self, step: int, timeout: Optional[float] = None) -> None:
         """Wait until a frame that was committed with hold=True waits for another client's
         step: the next step of the scene takes it along. Returns as well when it has been
-        answered. E_TIMEOUT, E_AGAIN; E_INVAL: no such step, or not to hold; E_VERSION:
-        the daemon does not tell."""
+        answered. E_TIMEOUT, E_AGAIN; E_INVAL: no such step, or not to hold."""
         self._check(self._in_slices(lambda ms: lib.pccd_wait_held(
             self._handle, int(step), ms), timeout))
 

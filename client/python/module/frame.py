@@ -86,8 +86,7 @@ class Frame:
 
     def joints(self, table: NDArray[Any]) -> None:
         """Copy a table of joints (JOINT) into the frame, once, before what hangs on it:
-        8 + 136 * len(table) bytes. E_STATE: there is one; E_VERSION: a daemon that knows
-        of none."""
+        8 + 136 * len(table) bytes. E_STATE: there is one."""
         self._client._check_open()
         status = quick.pccd_frame_joints(byref(self._struct), table_of(table).ctypes.data,
                                          len(table))

@@ -233,7 +233,7 @@ class Scenes:
     def object_set(self, scene: int, object: int,
                    **attributes: Optional[float]) -> ObjectSettings:
         """Set those of ObjectSettings that are given, for steps submitted from then on,
-        and return all of them. E_HANDLE, E_VERSION; E_ACCESS: the object is another
+        and return all of them. E_HANDLE; E_ACCESS: the object is another
         client's."""
         settings = object_settings(attributes)
         if settings.what:

@@ -95,12 +95,6 @@ int srv_on_HELLO(struct srv_call *call)
     }
     call->result.HELLO = (struct proto_HELLO_result){
         .version = version,
-        .features = PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE | PROTO_FEATURE_SHARED |
-                    PROTO_FEATURE_JOURNAL | PROTO_FEATURE_HELD | PROTO_FEATURE_FILTERS |
-                    PROTO_FEATURE_HASH_2 | PROTO_FEATURE_NEAR | PROTO_FEATURE_THICK |
-                    PROTO_FEATURE_FREE | PROTO_FEATURE_BATCH | PROTO_FEATURE_TELLS |
-                    PROTO_FEATURE_TOUCHING | PROTO_FEATURE_TURNING |
-                    PROTO_FEATURE_CLEARANCE | PROTO_FEATURE_NAMES,
         .epoch = service->epoch,
         .session = call->session->id,
         .pid = (uint32_t)getpid(),
