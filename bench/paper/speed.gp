@@ -25,11 +25,11 @@ bars = sprintf("< awk -v OFS='\t' '" . \
     "FILENAME ~ /steps/ && /^the first/ { best = $3 }" . \
     "FILENAME ~ /steps/ && /^--cpu=avx2/ { avx2 = $2 }" . \
     "FILENAME ~ /steps/ && /^--method=paper/ && scene in told {" . \
-    "    head(\"All contacts: \" told[scene]); bar(\"pccd, AVX-512\", best, 1);" . \
+    "    head(\"All contacts, beside the PCCD paper: \" told[scene]); bar(\"pccd, AVX-512\", best, 1);" . \
     "    bar(\"pccd, AVX2\", avx2, 1); bar(\"method of the PCCD paper\", $2, 0) }" . \
     "{ n = split($0, v, \",\") }" . \
     "FILENAME ~ /peers/ && v[2] == \"avx2\" && v[1] in told {" . \
-    "    head(\"All contacts: \" told[v[1]]); bar(\"pccd, AVX2\", v[3], 1);" . \
+    "    head(\"All contacts, beside Embree: \" told[v[1]]); bar(\"pccd, AVX2\", v[3], 1);" . \
     "    bar(\"Embree, exact tests by pccd\", v[4], 0) }" . \
     "FILENAME ~ /allowed/ && v[1] in told {" . \
     "    head(\"Largest safe step: \" told[v[1]]); bar(\"pccd, AVX-512\", v[2], 1);" . \
@@ -39,7 +39,7 @@ bars = sprintf("< awk -v OFS='\t' '" . \
     "' $(ls -r '%s/steps.txt' '%s/peers.csv' '%s/allowed.csv' 2>/dev/null)", folder, folder, folder)
 
 set datafile separator "\t"
-set label 'Milliseconds on one thread, less is better. Each group is one run, drawn to its own scale' at screen 0.02, 0.965 font ',16'
+set label 'Milliseconds on one thread (less is better). Each group is one run with its own scale' at screen 0.02, 0.965 font ',16'
 set xrange [0:1.1]
 set yrange [*:*] reverse
 set lmargin at screen 0.25
