@@ -23,7 +23,10 @@
  *     }
  *
  * Positions are any contiguous range of floats or doubles: std::vector<float>, or of
- * triples such as std::array<double, 3> or a struct of three floats.
+ * triples such as std::array<double, 3> or a struct of three floats. A matrix of Eigen
+ * has a vertex in each row and lies by rows (RowMajor), or has one in each column and
+ * lies by columns: Matrix3Xd. MatrixXd, with the x of all vertices together, would have
+ * to be copied, and does not compile.
  *
  * Errors: each call that can fail has two forms. scene.step(...) throws pccd::error;
  * scene.try_step(...) returns a pccd::result, which is a value or an error. In a program
@@ -120,7 +123,8 @@ public:
     view(T *data, std::size_t size) : data_(data), size_(size) {}
     template <class Range, class = std::enable_if_t<std::is_convertible_v<
                                decltype(std::data(std::declval<Range &>())), T *>>>
-    view(Range &&range) : data_(std::data(range)), size_(std::size(range))
+    view(Range &&range)
+        : data_(std::data(range)), size_(static_cast<std::size_t>(std::size(range)))
     {
     }
     T *data() const noexcept { return data_; }
@@ -141,6 +145,13 @@ template <class Range>
 using element_of =
     std::remove_cv_t<std::remove_pointer_t<decltype(std::data(std::declval<Range &>()))>>;
 
+// A matrix or vector of Eigen, or what has the same members.
+template <class Range, class = void> struct is_matrix : std::false_type {};
+template <class Range>
+struct is_matrix<Range, std::void_t<typename Range::Scalar, decltype(Range::IsRowMajor),
+                                    decltype(Range::RowsAtCompileTime)>>
+    : std::true_type {};
+
 // Numbers of the type Number, `Group` of them together: a flat range of these, or one of
 // arrays or structs of `Group` each.
 template <class Element, class Number, std::size_t Group> constexpr bool is_group_of()
@@ -151,10 +162,44 @@ template <class Element, class Number, std::size_t Group> constexpr bool is_grou
                sizeof(plain) == sizeof(Number) &&
                (std::is_arithmetic_v<Element> ||
                 sizeof(Element) == Group * sizeof(Number));
+    } else if constexpr (is_matrix<Element>()) {
+        return is_group_of<typename Element::Scalar, Number, Group>() &&
+               sizeof(Element) == Group * sizeof(Number);
     } else {
         return std::is_trivially_copyable_v<Element> &&
                sizeof(Element) == Group * sizeof(Number);
     }
+}
+
+// Whether a range may be groups of `Group` numbers, one behind the other in memory: no
+// matrix whose columns, or rows if it lies by rows, are known to be something else.
+// Where it lies by columns their length has to be known, as a mesh is mostly by rows.
+template <class Range, std::size_t Group> constexpr bool may_hold_groups()
+{
+    if constexpr (is_matrix<Range>()) {
+        constexpr int length = Range::IsRowMajor ? int(Range::ColsAtCompileTime)
+                                                 : int(Range::RowsAtCompileTime);
+        return bool(Range::IsVectorAtCompileTime) || length == int(Group) ||
+               (bool(Range::IsRowMajor) && length < 0);
+    }
+    return true;
+}
+// Whether it is.
+template <std::size_t Group, class Range> bool holds_groups(const Range &range)
+{
+    static_assert(may_hold_groups<Range, Group>(),
+                  "a matrix that lies by columns, such as Eigen::MatrixXd, has the x of "
+                  "all vertices together: take Matrix<double, Dynamic, 3, RowMajor>");
+    if constexpr (is_matrix<Range>()) {
+        if constexpr (!bool(Range::IsVectorAtCompileTime)) {
+            const auto length = Range::IsRowMajor ? range.cols() : range.rows();
+            return length == int(Group) && range.innerStride() == 1 &&
+                   range.outerStride() == length;
+        } else {
+            return range.innerStride() == 1;
+        }
+    }
+    return true;
 }
 
 } // namespace detail
@@ -178,16 +223,19 @@ public:
         static_assert(is_single || detail::is_group_of<Element, double, 3>(),
                       "positions are floats or doubles, or triples of these");
         constexpr std::size_t bytes = is_single ? sizeof(float) : sizeof(double);
-        const std::size_t numbers = std::size(range) * sizeof(Element) / bytes;
+        const std::size_t numbers =
+            static_cast<std::size_t>(std::size(range)) * sizeof(Element) / bytes;
         data_ = std::data(range);
         count_ = static_cast<std::uint32_t>(numbers / 3);
         format_ = is_single ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
-        is_whole_ = numbers % 3 == 0 && numbers / 3 == count_;
+        is_whole_ =
+            numbers % 3 == 0 && numbers / 3 == count_ && detail::holds_groups<3>(range);
     }
     const void *data() const noexcept { return data_; }
     std::uint32_t count() const noexcept { return count_; }
     pccd_format format() const noexcept { return format_; }
-    // Not so if the numbers are no triples, or more than 2^32 of them.
+    // Not so if the numbers are no triples that lie one behind the other, or more than
+    // 2^32 of them.
     bool is_whole() const noexcept { return is_whole_; }
 
 private:
@@ -206,10 +254,12 @@ public:
     {
         static_assert(detail::is_group_of<Element, std::uint32_t, Group>(),
                       "indices are 32-bit integers, or groups of these");
-        const std::size_t numbers = std::size(range) * sizeof(Element) / 4;
+        const std::size_t numbers =
+            static_cast<std::size_t>(std::size(range)) * sizeof(Element) / 4;
         data_ = reinterpret_cast<const std::uint32_t *>(std::data(range));
         count_ = static_cast<std::uint32_t>(numbers / Group);
-        is_whole_ = numbers % Group == 0 && numbers / Group == count_;
+        is_whole_ = numbers % Group == 0 && numbers / Group == count_ &&
+                    detail::holds_groups<Group>(range);
     }
     const std::uint32_t *data() const noexcept { return data_; }
     std::uint32_t count() const noexcept { return count_; }

@@ -212,6 +212,76 @@ void check_batch(pccd::client &client)
          "batch__that_is_not_whole_is_told");
 }
 
+// Like a matrix of Eigen: as many rows and columns as are known, -1: not; by rows or not.
+template <class T, int Rows, int Cols, int ByRows> struct matrix {
+    using Scalar = T;
+    enum {
+        IsRowMajor = ByRows,
+        RowsAtCompileTime = Rows,
+        ColsAtCompileTime = Cols,
+        IsVectorAtCompileTime = Rows == 1 || Cols == 1
+    };
+    matrix(const T *x, int n_rows, int n_cols, int n_gap = 0)
+        : x_(x), rows_(n_rows), cols_(n_cols), gap_(n_gap)
+    {
+    }
+    const T *data() const { return x_; }
+    long size() const { return long(rows_) * cols_; }
+    long rows() const { return rows_; }
+    long cols() const { return cols_; }
+    long innerStride() const { return IsVectorAtCompileTime ? 1 + gap_ : 1; }
+    long outerStride() const { return (ByRows ? cols_ : rows_) + gap_; }
+    const T *x_;
+    int rows_, cols_, gap_;
+};
+// Like Eigen's vector of three, which copies itself.
+struct vector3 {
+    using Scalar = double;
+    enum { IsRowMajor = 0, RowsAtCompileTime = 3, ColsAtCompileTime = 1 };
+    vector3(double x, double y, double z) : v{x, y, z} {}
+    vector3(const vector3 &o) : v{o.v[0], o.v[1], o.v[2]} {}
+    double v[3];
+};
+static_assert(!std::is_trivially_copyable_v<vector3>, "as Eigen's");
+static_assert(!pccd::detail::may_hold_groups<matrix<double, -1, -1, 0>, 3>() &&
+                  !pccd::detail::may_hold_groups<matrix<double, -1, 3, 0>, 3>() &&
+                  !pccd::detail::may_hold_groups<matrix<int, -1, 2, 0>, 2>(),
+              "what has the x of all vertices together is refused");
+static_assert(!pccd::detail::is_group_of<matrix<int, 3, 1, 0>, float, 3>(),
+              "integers are no positions");
+
+// If one failed, the coordinates of a matrix would be mixed up without a word, and
+// contacts missed; or it would have to be copied first.
+void check_matrices(pccd::client &client)
+{
+    const double x[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, .25, .25, 1, .5, .25, 4, .25, .5, 4};
+    double x1[18];
+    std::memcpy(x1, x, sizeof x);
+    x1[11] -= 2;
+    x1[14] -= 2;
+    x1[17] -= 2;
+    const int face[6] = {0, 1, 2, 3, 4, 5};
+    const matrix<int, -1, 3, 1> by_rows(face, 2, 3);
+    auto meets = [&](auto begin, auto end, auto triangles) {
+        pccd::scene scene = client.make_scene();
+        pccd::mesh mesh = client.make_mesh({begin, triangles});
+        pccd::object body = scene.add(mesh);
+        return scene.step(pccd::to(body, end)).contacts().size() == 1;
+    };
+    tell(meets(matrix<double, -1, 3, 1>(x, 6, 3), matrix<double, -1, -1, 1>(x1, 6, 3),
+               by_rows) &&
+             meets(matrix<double, 3, -1, 0>(x, 3, 6), matrix<double, -1, 1, 0>(x1, 18, 1),
+                   matrix<int, 3, -1, 0>(face, 3, 2)),
+         "positions__may_be_a_matrix");
+    const std::vector<vector3> triples = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    tell(client.make_mesh({triples, std::vector<int>{0, 1, 2}}).info().vertex_count == 3,
+         "positions__may_be_vectors_of_eigen");
+    tell(!client.try_make_mesh({matrix<double, -1, -1, 1>(x, 3, 6), by_rows}) &&
+             !client.try_make_mesh({matrix<double, -1, 3, 1>(x, 4, 3, 1), by_rows}) &&
+             !client.try_make_mesh({matrix<double, -1, 1, 0>(x, 9, 1, 1), by_rows}),
+         "positions__with_gaps_or_in_the_columns_are_told");
+}
+
 // If one failed, positions would have to be copied into another container first.
 void check_positions(pccd::client &client)
 {
@@ -462,6 +532,7 @@ void check_all(pccd::client client)
     check_crossed(client);
     check_batch(client);
     check_positions(client);
+    check_matrices(client);
     check_ownership(client);
     check_errors(client);
     check_motions(client);
