@@ -48,7 +48,8 @@ class Browser:
                    "--disable-background-networking", "--disable-dev-shm-usage",
                    "--no-first-run"]
         if webgl:  # without a graphics card
-            options += ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+            options += ["--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+                        "--disable-gpu-compositing"]
         else:
             options += ["--disable-gpu", "--disable-3d-apis"]
         if dark:
@@ -170,9 +171,11 @@ class Browser:
             "GET", f"{self.session}/element/{self._element(selector)}/screenshot")
 
     def said(self):
-        """Warnings and errors of the console since the last time."""
+        """Warnings and errors of the console since the last time; not that a view is slow
+        which no graphics card draws."""
         log = self._ask("POST", self.session + "/se/log", {"type": "browser"})
-        return [line["message"] for line in log if line["level"] in ("SEVERE", "WARNING")]
+        return [line["message"] for line in log if line["level"] in ("SEVERE", "WARNING")
+                and "GL Driver Message (OpenGL, Performance" not in line["message"]]
 
     def asked(self):
         """The addresses of all requests since the last time."""

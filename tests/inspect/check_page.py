@@ -184,9 +184,35 @@ class InBrowser(unittest.TestCase):
             self.browser.picture(os.path.join(folder, f"{name}.png"))
 
 
+# Lead a page back to how it was opened, which it keeps; false: it is a new one.
+BACK = """
+    const [done] = arguments;
+    if (!window.opened) {
+      window.opened = {...window.pccd?.state.values};
+      done(false);
+      return;
+    }
+    document.getElementById('help').close();
+    document.activeElement.blur();
+    pccd.data.load(opened.index).then(() => {
+      pccd.state.set({...opened, chosen: -1});
+      pccd.state.set(opened);
+      pccd.view.fit(opened.up, true);
+      done(true);
+    });"""
+
+
 class Opened(InBrowser):
+    """One page, led back before each case; one that needs a new page, or leaves none that
+    can be led back, opens it."""
+
     def setUp(self):
-        self.open()
+        if self.browser.run_async(BACK):
+            self.browser.frames()
+            self.browser.said()
+        else:
+            self.open()
+            self.browser.run_async(BACK)
 
     def tearDown(self):
         self.assertEqual(self.browser.said(), [])
@@ -202,6 +228,7 @@ class Opened(InBrowser):
 
     # If it failed, a page from a disk would need the network, or tell somebody of itself.
     def test_page__asks_nobody_for_anything(self):
+        self.open()
         self.browser.run("document.getElementById('play').click()")
         self.browser.frames(20)
         asked = [at for at in self.browser.asked() if not at.startswith("data:")]
@@ -365,6 +392,7 @@ class Opened(InBrowser):
     # If it failed, what the threads did would be in the page and not be seen, or be in
     # the way of who does not ask for it.
     def test_lanes__are_drawn_for_each_thread(self):
+        self.open()
         self.assertFalse(self.is_seen("lanes"))
         self.browser.click("#engine summary")
         self.browser.frames(3)
@@ -430,6 +458,7 @@ class Opened(InBrowser):
 
     # If it failed, the name of a file could put markup, or a script, into the page.
     def test_name__stays_text(self):
+        self.open()
         self.assertEqual(self.text("name"), NAME)
         self.assertEqual(self.browser.run("return document.title").split(" · ")[0], NAME)
         self.assertEqual(self.browser.run("""
@@ -465,6 +494,7 @@ class Opened(InBrowser):
     # If it failed, a page would open where nothing is to be seen yet, or long after, and
     # not say which moment that is.
     def test_page__opens_at_the_first_contact_of_the_step_with_most(self):
+        self.open()
         most = max(self.scene.steps, key=lambda said: said["contacts"])
         self.assertEqual(number(self.text("total")), most["contacts"])
         times = self.browser.run("""
@@ -652,6 +682,7 @@ class Opened(InBrowser):
 
     # If it failed, who has no mouse could not reach a part, or see where he is.
     def test_tab__reaches_everything(self):
+        self.open()
         self.browser.run("pccd.state.set({chosen: 0}); document.activeElement.blur()")
         reached = []
         while "engine" not in reached and len(reached) < 60:
@@ -1078,7 +1109,7 @@ class Phone(InBrowser):
     # If it failed, a tap on a contact would show nothing, or something out of sight.
     def test_tap__shows_the_contact_where_it_was_tapped(self):
         self.addCleanup(self.browser.resize_back)
-        self.browser.resize(400, 800)
+        self.browser.resize(360, 800)
         self.open()
         self.browser.frames(10)
         x, y = self.browser.run("""
@@ -1292,6 +1323,8 @@ class Thick(InBrowser):
         said = self.show(0.4, "--approach", "0.5", "--separation", "0.125")
         facts = self.facts("facts")
         self.assertEqual(facts["safe step"], f"{said['safe_step']:.4g}")
+        self.assertIn("before this t no contact begins", self.browser.run(
+            "return document.querySelector('#facts .fact').title"))
         self.assertEqual((facts["separation"], facts["approach"]), ("0.125", "0.5"))
         self.assertEqual(int(facts["inside at 0"]), said["inside"])
         rows = self.browser.run(TEXT, "contact-rows")
@@ -1324,6 +1357,13 @@ class Turning(InBrowser):
               one.textContent + getComputedStyle(one, '::after').content);""")
         self.assertIn("no contact begins", facts[0])
         self.assertIn("on the way that they turn", facts[1])
+        # What was asked and refused is not told as if nothing had been found.
+        self.assertRegex(self.text("chips"), "[0-9]+ questions were not answered")
+        refused = next(step["index"] for step in self.browser.run(
+            "return pccd.data.meta.steps") if step["answer"]["status"] != "OK")
+        self.set("step", refused)
+        self.assertIn("it was not answered (E_INVAL)", self.text("sentence"))
+        self.assertFalse(any(digit.isdigit() for digit in self.text("picked")))
         self.set("step", 0)
         origin = self.browser.run("return pccd.data.meta.origin")
         areas = []
