@@ -518,6 +518,11 @@ class Opened(InBrowser):
         self.assertLess(abs(self.value("t") - self.scene.times(index + 1)[0]), 1e-6)
         self.assertFalse(self.browser.run(
             "return document.getElementById('go-earliest').matches(':enabled')"))
+        # Where all steps have as many, none is the one with most.
+        self.browser.run("pccd.data.all.forEach(({answer}) => { answer.total = 9; });"
+                         "pccd.state.set({t: 0.5});")
+        self.browser.frames()
+        self.assertNotIn("with the most", self.text("caption"))
 
     # If it failed, nobody would know what the list is for, or what the lines are that
     # appear in the view.
@@ -1217,6 +1222,7 @@ class Near(InBrowser):
             "vertex": "vertex 0 of needle", "place": "(0.25, 0.25, 0.5)", "bound": "0.5",
             "number": "1 in file order"})
         self.assertFalse(self.is_seen("kind-vv"))
+        self.assertEqual(self.text("head-kind"), "")
 
 
 # The places of the contacts' sticks: from the second feature to the first.

@@ -124,6 +124,7 @@ function makeList(data, state, fly) {
     list.parentElement.classList.toggle("named", isNamed);
     byId("head-features").replaceChildren(...(isOfBounds(step) ? ["vertex"] : isNamed ? ["the two features"] : ["first feature", "second feature"])
       .map((text) => element("span", {}, text)));
+    byId("head-kind").textContent = isOfBounds(step) ? "" : "kind";
     byId("head-measure").textContent = measureOf(step)?.name ?? "";
     const height = rowHeight();
     const first = Math.max(0, Math.floor(list.scrollTop / height) - SPARE);

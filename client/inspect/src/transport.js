@@ -1,6 +1,6 @@
 // transport.js - play, the step and the time within it.
 
-import { byId } from "./dom.js";
+import { byId, count } from "./dom.js";
 import { digits } from "./words.js";
 
 const STEP_MS = 900; // one step, at speed 1
@@ -79,8 +79,8 @@ export function makeTransport(data, state, goTo) {
     step.value = String(places[index]);
     step.setAttribute("aria-valuetext", `step ${steps[index].number}`);
     byId("step-word").textContent = steps[index].near ? "Question" : "Step";
-    byId("step-number").textContent = steps[index].number;
-    byId("step-last").textContent = data.all.at(-1).number;
+    byId("step-number").textContent = count(steps[index].number);
+    byId("step-last").textContent = count(data.all.at(-1).number);
     byId("time-slide").hidden = Boolean(steps[index].near); // nothing moves
     byId("transport").hidden = Boolean(steps[index].near) && steps.length === 1;
     byId("previous").disabled = index === 0;

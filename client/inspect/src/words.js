@@ -147,7 +147,7 @@ export const nounOf = (step) => (step.near ? nearNoun(step)
 /** The sentence that says what is looked at, in parts: [before, count, behind]; `isShort` as of whereText. */
 export function sentenceOf(step, last, isShort) {
   const { answer, near, number } = step;
-  const before = near ? `Question ${number}: ` : `Step ${number} of ${last}: `;
+  const before = near ? `Question ${count(number)}: ` : `Step ${count(number)} of ${count(last)}: `;
   const cut = INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
   if (answer.status !== "OK") {
     return [before, "", `it was not answered (${answer.status})`];
