@@ -54,7 +54,8 @@ struct eng_turning_limits {
     void *owner;
 };
 
-#define ENG_TURNING_LOOKS_MAX 65536u /* what a step allows a pair */
+#define ENG_TURNING_LOOKS_MAX     65536u /* what a step allows a pair */
+#define ENG_TURNING_LOOKS_BETWEEN 32u    /* two questions whether to stop */
 
 enum eng_turning_verdict {
     ENG_TURNING_FREE,   /* more than r apart up to t_end */

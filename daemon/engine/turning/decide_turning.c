@@ -28,9 +28,6 @@
  * points are off their chords by more than this part of their way. */
 #define BENT_MOST 0x1p-5
 
-/* Looks between two questions whether to stop. */
-#define LOOKS_BETWEEN 32u
-
 /* Halves of the step, and what is cut off at the end of a bracket. */
 #define SPANS_MAX 96u
 
@@ -745,7 +742,7 @@ enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
     begin(&decider);
     answer->looks = 0;
     while (decider.count > 0) {
-        bool is_asked = answer->looks % LOOKS_BETWEEN == LOOKS_BETWEEN - 1;
+        bool is_asked = (answer->looks + 1) % ENG_TURNING_LOOKS_BETWEEN == 0;
         if (is_asked && limits->should_stop != NULL &&
             limits->should_stop(limits->owner)) {
             verdict = ENG_TURNING_STOPPED;

@@ -30,6 +30,7 @@ struct eng_turning {
     bool has_limit;            /* some pairs of the task took too many looks */
     bool only_proves;          /* what is possible is not recorded, and has_limit then */
     bool is_bounded;           /* what comes after the bound of mode first is left out */
+    uint32_t looks;            /* at pairs, since should_stop was asked */
 };
 
 int eng_turning_make(struct eng_turning **turning)
@@ -240,10 +241,10 @@ static uint32_t feature_of(const struct eng_turning *turning,
     uint32_t points = common_kinds[named->kind].points[i];
     uint32_t from =
         named->side[0] == &turning->side[found->side_a] ? (uint32_t)i : 1 - (uint32_t)i;
-    return points == 1   ? named->v[i][0]
-           : points == 2 ? eng_mesh_edge(named->side[i]->body->mesh, named->v[i][0],
-                                       named->v[i][1])
-                         : found->leaf[from];
+    return points == 1 ? named->v[i][0]
+           : points == 2
+               ? eng_mesh_edge(named->side[i]->body->mesh, named->v[i][0], named->v[i][1])
+               : found->leaf[from];
 }
 
 /* Return whether somebody else looks for the pair (mesh.h). */
@@ -357,6 +358,11 @@ static bool take(void *owner, const struct eng_sweep_pair *found)
         break;
     case ENG_TURNING_STOPPED:
         return false;
+    }
+    turning->looks += answer.looks;
+    if (turning->looks >= ENG_TURNING_LOOKS_BETWEEN) { /* of pairs that took fewer each */
+        turning->looks = 0;
+        (void)should_stop(turning);
     }
     return !eng_stop_is_set(worker->stop);
 }
