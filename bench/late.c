@@ -15,7 +15,8 @@
 #define PI            3.14159265358979323846
 #define JOINTS_MAX    4000u
 #define BODIES_MAX    2000u
-#define SCENES        64u        /* of a batch */
+#define SCENES        1000u /* of a batch, at most */
+#define ANGLE_MOST    (0x1p20 * 2 * PI)
 #define PAUSE_MOST_NS 100000000u /* of a step that takes longer */
 #define SETTLE_NS     20000000u  /* in which a step takes along what is held */
 
@@ -30,7 +31,8 @@ struct late {
     double (*x1[2])[3]; /* of bodies that deform, in turn; NULL: none does */
     uint32_t turn;
     struct pccd_batch *batch; /* of scenes like `scene`; NULL: that one alone */
-    uint32_t scenes[SCENES];  /* of the batch, but for the first */
+    uint32_t scene_count;     /* of the batch */
+    uint32_t scenes[SCENES];  /* its, but for the first */
     struct late *other;       /* member of the scene, whose steps take along what this
                                  one holds; NULL: none does */
     uint64_t other_step;
@@ -278,6 +280,54 @@ static void make_thick_chain(struct late *late, bool smoke)
     make_chain(late, smoke);
 }
 
+/* Each joint from 2^20 turns to as many in the other direction. */
+static void make_turns(struct late *late, bool smoke)
+{
+    make_links(late, make_roll(smoke ? 5 : 40), make_roll(smoke ? 10 : 200),
+               &(struct arm){.links = 64, .angle = -2 * ANGLE_MOST, .along = 0.5});
+    for (uint32_t i = 0; i < late->joint_count; i++) {
+        late->joints[i].from[0] += ANGLE_MOST;
+        late->joints[i].to[0] += ANGLE_MOST;
+    }
+}
+
+/* 10^5 triangles that turn in 10^5, all of which are nearer than the distance, to the
+ * narrowest bracket; or just as far, throughout. */
+static void make_near(struct late *late, bool smoke)
+{
+    late->settings.separation = 0.5;
+    late->settings.tolerance = 1e-12;
+    make_twins(late, make_roll(smoke ? 10 : 224), 3);
+}
+
+static void make_just_as_far(struct late *late, bool smoke)
+{
+    make_twins(late, make_sheet(smoke ? 5 : 224), 3);
+    const double at[3] = {0, 0, 0.125};
+    memcpy(late->joints[0].position, at, sizeof at);
+    late->settings.separation = at[2];
+    late->settings.tolerance = 1e-12;
+}
+
+/* Triangles whose numbers are as far apart as doubles may be, in some of few planes: for
+ * integers. */
+static void make_exponents(struct late *late, bool smoke)
+{
+    make_deforming(late, smoke ? 5 : 30);
+    for (uint32_t i = 0; i < 6 * late->motions[0].count; i++) {
+        double *x = &late->x1[i & 1][i / 6][i / 2 % 3];
+        double mantissa = prng_between(&late->prng, -1, 1);
+        uint32_t kind = prng_u32(&late->prng, 4);
+        *x = kind == 0 ? 0 : ldexp(mantissa, kind == 1 ? -1060 : 59);
+    }
+}
+
+static void make_exponents_thick(struct late *late, bool smoke)
+{
+    late->settings.separation = 0x1p50;
+    make_exponents(late, smoke);
+}
+
 static void make_start(struct late *late, bool smoke)
 {
     late->settings.tells_start = true;
@@ -370,12 +420,12 @@ static void ask_depth(struct late *late, bool smoke)
 
 /* ---- batches ----------------------------------------------------------------------- */
 
-/* Have a batch of scenes; `make` makes one of them, all alike. */
-static void make_batch(struct late *late, bool smoke,
+/* Have a batch of so many scenes; `make` makes one of them, all alike, of 256 bodies at
+ * most. */
+static void make_batch(struct late *late, uint32_t scenes, bool smoke,
                        void (*make)(struct late *late, bool smoke))
 {
-    const uint32_t scenes = smoke ? 3 : SCENES;
-    struct pccd_batch_part *parts = bench_alloc(scenes * JOINTS_MAX, sizeof *parts);
+    struct pccd_batch_part *parts = bench_alloc(scenes * 256u, sizeof *parts);
     uint32_t joint_counts[SCENES], first = late->scene, part_count = 0;
     for (uint32_t s = 0; s < scenes; s++) {
         late->count = late->joint_count = 0;
@@ -398,6 +448,7 @@ static void make_batch(struct late *late, bool smoke,
         }
     }
     late->scene = first;
+    late->scene_count = scenes;
     bench_must(pccd_batch_create_turning(late->client, parts, part_count, joint_counts,
                                          scenes, &late->batch),
                "batch", late->client);
@@ -425,29 +476,35 @@ static void make_heap(struct late *late, bool smoke)
 
 static void make_heaps(struct late *late, bool smoke)
 {
-    make_batch(late, smoke, make_heap);
+    make_batch(late, smoke ? 3 : 64, smoke, make_heap);
 }
 
 static void make_arms_paper(struct late *late, bool smoke)
 {
     late->settings.method = PCCD_METHOD_PAPER;
-    make_batch(late, smoke, make_arm);
+    make_batch(late, smoke ? 3 : 64, smoke, make_arm);
 }
 
 static void make_smalls_paper(struct late *late, bool smoke)
 {
     late->settings.method = PCCD_METHOD_PAPER;
-    make_batch(late, smoke, make_small);
+    make_batch(late, smoke ? 3 : 64, smoke, make_small);
 }
 
 static void make_arms(struct late *late, bool smoke)
 {
-    make_batch(late, smoke, make_arm);
+    make_batch(late, smoke ? 3 : 64, smoke, make_arm);
+}
+
+/* Edges of a roadmap. */
+static void make_roadmap(struct late *late, bool smoke)
+{
+    make_batch(late, smoke ? 3 : SCENES, smoke, make_arm);
 }
 
 static void make_smalls(struct late *late, bool smoke)
 {
-    make_batch(late, smoke, make_small);
+    make_batch(late, smoke ? 3 : 64, smoke, make_small);
 }
 
 /* ---- held frames ------------------------------------------------------------------- */
@@ -488,6 +545,12 @@ static const struct {
     {"a batch, straight", make_smalls},
     {"a held frame", make_held},
     {"64 joints, thick", make_thick_chain},
+    {"64 joints, 2^20 turns", make_turns},
+    {"near, 1e-12", make_near},
+    {"just as far, 1e-12", make_just_as_far},
+    {"exponents", make_exponents},
+    {"exponents, thick", make_exponents_thick},
+    {"a roadmap", make_roadmap},
     {"straight, paper", make_straight_paper},
     {"straight, thick", make_thick},
     {"straight, its start", make_start},
@@ -587,14 +650,20 @@ static double us_since(uint64_t ns)
     return now_ns > ns ? 1e-3 * (double)(now_ns - ns) : 0;
 }
 
+static bool is_direct(const struct late *late)
+{
+    return strcmp(pccd_url(late->client), "direct:") == 0;
+}
+
 /* Submit a step that ends after the budget, or nanoseconds 0: is cancelled after a pause.
  * Add to `samples` how long after that its answer comes; or, if these are a ping's, how
  * long a ping takes then. */
 static void measure_one(struct late *late, uint64_t budget_ns, uint32_t pause_us,
                         struct bench_samples *samples, struct bench_samples *ping)
 {
-    uint64_t step = submit(late, budget_ns);
-    uint64_t end_ns = common_now_ns() + budget_ns;
+    uint64_t begin_ns = common_now_ns(), step = submit(late, budget_ns);
+    /* With direct: the submission is the step. */
+    uint64_t end_ns = (is_direct(late) ? begin_ns : common_now_ns()) + budget_ns;
     if (budget_ns == 0) {
         (void)usleep(pause_us);
         end_ns = common_now_ns();
@@ -623,10 +692,13 @@ static uint32_t measure_rounds(struct late *late, const char *name, bool smoke,
     measure_one(late, smoke ? 2000000 : PAUSE_MOST_NS, 0, NULL, NULL);
     uint32_t most_us = (uint32_t)us_since(begin_ns) + 1;
     for (uint32_t i = 0; i < rounds; i++) {
-        measure_one(late, 0, prng_u32(&late->prng, most_us), &cancel, NULL);
+        if (!is_direct(late)) { /* where cancel comes too late */
+            measure_one(late, 0, prng_u32(&late->prng, most_us), &cancel, NULL);
+        }
         measure_one(late, 1 + 1000ull * prng_u32(&late->prng, most_us), 0, &deadline,
                     NULL);
-        measure_one(late, 0, prng_u32(&late->prng, most_us), NULL, &ping);
+        measure_one(late, is_direct(late) ? 1000000 : 0, prng_u32(&late->prng, most_us),
+                    NULL, &ping);
         (void)usleep(1000); /* as one who waits: processors sleep */
         bench_add(&bare, bench_ping_us(late->client));
     }
@@ -644,7 +716,7 @@ static uint32_t measure_rounds(struct late *late, const char *name, bool smoke,
 
 static void unmake(struct late *late)
 {
-    for (uint32_t s = 0; s < SCENES; s++) {
+    for (uint32_t s = 0; s == 0 || s < late->scene_count; s++) {
         uint32_t scene = s == 0 ? late->scene : late->scenes[s];
         if (scene != 0) {
             bench_must(pccd_scene_destroy(late->client, scene), "scene", late->client);
