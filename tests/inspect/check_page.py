@@ -523,6 +523,10 @@ class Opened(InBrowser):
                          "pccd.state.set({t: 0.5});")
         self.browser.frames()
         self.assertNotIn("with the most", self.text("caption"))
+        # Of a batch each step is of another scene.
+        self.browser.run("pccd.data.meta.steps[2].scene = 1")
+        self.set("step", 2)
+        self.assertIn("Step 3 of 5, scene 2 of 2: ", self.text("sentence"))
 
     # If it failed, nobody would know what the list is for, or what the lines are that
     # appear in the view.

@@ -145,8 +145,7 @@ function makeCaption(data, state) {
     const measure = measureOf(step);
     const greatest = step.near ? step.contacts.greatest : 1;
     const isBusiest = data.all.length > 1 && index === busiestOf(data) && step.answer.total > 0
-      && data.all.every(({ answer }) => answer.total <= step.answer.total)
-      && data.all.some(({ answer }) => answer.total < step.answer.total);
+      && data.all.every(({ number, answer }) => number === step.number || answer.total < step.answer.total);
     const which = `${step.near ? "question" : "step"} ${step.number}${isBusiest ? `, with the most ${nounOf(step)[1]}` : ""}`;
     byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t)}`;
     byId("scale-box").hidden = measure === null || picked.length === 0 || greatest === 0;

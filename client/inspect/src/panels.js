@@ -132,10 +132,11 @@ export function makeAnswer(data, state) {
   state.on(["index"], ({ index }) => {
     const step = data.step(index);
     const { answer } = step;
-    const [before, total, behind] = sentenceOf(step, data.all.at(-1).number, true);
+    const whole = { last: data.all.at(-1).number, scenes: [...new Set(data.meta.steps.map(({ scene }) => scene))] };
+    const [before, total, behind] = sentenceOf(step, whole, true);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
-    byId("sentence").title = sentenceOf(step, data.all.at(-1).number, false).join("");
+    byId("sentence").title = sentenceOf(step, whole, false).join("");
     byId("records-head").textContent = headOf(step);
     byId("facts").replaceChildren(...(isRefused(step) ? [] : step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
     byId("engine-facts").replaceChildren(

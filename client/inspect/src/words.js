@@ -144,10 +144,12 @@ export const nounOf = (step) => (step.near ? nearNoun(step)
   : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
     : ["contact", "contacts"]);
 
-/** The sentence that says what is looked at, in parts: [before, count, behind]; `isShort` as of whereText. */
-export function sentenceOf(step, last, isShort) {
+/** The sentence that says what is looked at, in parts: [before, count, behind]; `last`: the number of the
+ * last step; `scenes`: the handles of all; `isShort` as of whereText. */
+export function sentenceOf(step, { last, scenes }, isShort) {
   const { answer, near, number } = step;
-  const before = near ? `Question ${count(number)}: ` : `Step ${count(number)} of ${count(last)}: `;
+  const scene = scenes.length > 1 ? `, scene ${count(scenes.indexOf(step.scene) + 1)} of ${count(scenes.length)}` : "";
+  const before = `${near ? `Question ${count(number)}` : `Step ${count(number)} of ${count(last)}`}${scene}: `;
   const cut = INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
   if (answer.status !== "OK") {
     return [before, "", `it was not answered (${answer.status})`];
