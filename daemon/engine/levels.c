@@ -65,9 +65,6 @@ static const struct eng_box_frame *frame_of_block(const struct eng_scene *scene,
     const struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t slot = block * ENG_WIDE;
     if (kind != PCCD_TREE_VERTICES) {
-        if (tree->keys[slot] == ENG_WIDE_NOBODY) {
-            return NULL;
-        }
         slot = tree->corner[0][slot];
     }
     uint64_t owner = wide->points[slot].word0;

@@ -103,14 +103,11 @@ static uint32_t check_slots(const struct fixture *f, enum pccd_tree kind)
     const struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t taken = 0;
     for (uint32_t slot = 0; slot < tree->slot_count; slot++) {
-        uint64_t key =
-            kind == PCCD_TREE_VERTICES ? wide->points[slot].word1 : tree->keys[slot];
-        bool is_nobody = kind == PCCD_TREE_VERTICES
-                             ? wide->points[slot].word0 == ENG_WIDE_NOBODY
-                             : key == ENG_WIDE_NOBODY;
-        if (is_nobody) {
+        uint32_t vertex = kind == PCCD_TREE_VERTICES ? slot : tree->corner[0][slot];
+        if (wide->points[vertex].word0 == ENG_WIDE_NOBODY) {
             continue;
         }
+        uint64_t key = eng_wide_key_of(wide, kind, slot);
         taken++;
         const struct eng_object *object = NULL;
         for (uint32_t i = 0; i < f->count; i++) {

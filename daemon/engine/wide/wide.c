@@ -178,7 +178,10 @@ static uint64_t lay_out(struct eng_wide *wide, unsigned char *block,
         for (uint32_t k = 0; k < corner_count(kind); k++) {
             LAY(tree->corner[k], slots[kind]);
         }
-        LAY(tree->keys, kind == PCCD_TREE_VERTICES ? 0 : slots[kind]);
+        bool is_of_vertices = kind == PCCD_TREE_VERTICES;
+        LAY(tree->index, is_of_vertices ? 0 : slots[kind]);
+        LAY(tree->object_id, is_of_vertices ? 0 : leaves);
+        LAY(tree->keys, is_of_vertices || !marked->own[kind] ? 0 : slots[kind]);
         LAY(tree->quantised, leaves);
         LAY(tree->quantised_boxes, leaves);
         LAY(tree->blocks, above);
@@ -277,7 +280,6 @@ static void clear(struct eng_wide *wide, enum pccd_tree kind, uint32_t first,
             wide->points[slot].word0 = ENG_WIDE_NOBODY;
             continue;
         }
-        tree->keys[slot] = ENG_WIDE_NOBODY;
         for (uint32_t k = 0; k < corner_count(kind); k++) {
             tree->corner[k][slot] = wide->trees[PCCD_TREE_VERTICES].slot_count - 1;
         }
@@ -316,8 +318,6 @@ fill_features(struct eng_wide *wide, const struct eng_object *object, enum pccd_
     const uint32_t *feature = order->feature[kind];
     const uint32_t count = order->count[kind];
     const uint32_t *slot_of = wide->slot_of + object->vertices.first;
-    const eng_wide_key key = (uint64_t)object->id << 32;
-    eng_wide_key *keys = tree->keys + first;
     uint32_t *corner[3] = {tree->corner[0] + first, tree->corner[1] + first,
                            kind == PCCD_TREE_FACES ? tree->corner[2] + first : NULL};
     for (uint32_t i = 0; i < count; i++) {
@@ -326,7 +326,11 @@ fill_features(struct eng_wide *wide, const struct eng_object *object, enum pccd_
             continue;
         }
         const uint32_t *of = corners + (size_t)stride * feature[i];
-        keys[i] = key | feature[i];
+        tree->index[first + i] = feature[i];
+        tree->object_id[(first + i) / ENG_WIDE] = object->id;
+        if (tree->has_own) {
+            tree->keys[first + i] = (uint64_t)object->id << 32 | feature[i];
+        }
 #pragma GCC unroll 3
         for (uint32_t k = 0; k < corner_count(kind); k++) {
             corner[k][i] = slot_of[of[k]];

@@ -77,7 +77,11 @@ struct eng_wide_tree {
     struct eng_wide_block *blocks; /* the levels above, .. */
     struct eng_extents *boxes;     /* .. and around their blocks */
     uint32_t *corner[3];           /* edges 2, faces 3: [slot_count], vertex slots */
-    eng_wide_key *keys;            /* edges and faces: [slot_count] */
+    /* Edges and faces: the two halves of their keys, that of the object by block; and
+     * where has_own, so that joins may ask for them, the keys. */
+    uint32_t *index;               /* [slot_count] */
+    uint32_t *object_id;           /* [slot_count / 16] */
+    eng_wide_key *keys;            /* [slot_count] */
     uint16_t *moving;              /* by block: bit k, child k moves */
     uint16_t *free, *own;          /* bits of what is free, of what is not foreign */
     bool has_free, has_own;        /* else these are not there; faces have none */
@@ -182,8 +186,11 @@ void eng_wide_refit_above(struct eng_wide *wide);
 static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
                                            enum pccd_tree tree, uint32_t slot)
 {
-    return tree == PCCD_TREE_VERTICES ? wide->points[slot].word1
-                                      : wide->trees[tree].keys[slot];
+    if (tree == PCCD_TREE_VERTICES) {
+        return wide->points[slot].word1;
+    }
+    return (uint64_t)wide->trees[tree].object_id[slot / ENG_WIDE] << 32 |
+           wide->trees[tree].index[slot];
 }
 
 /* Return the blocks of a level; of level 0: the floats, which are there in a step that
