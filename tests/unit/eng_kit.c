@@ -187,10 +187,14 @@ struct eng_step_result kit_ask(const struct eng_question *settings)
     struct eng_step_result result = {0};
     void *kept = NULL;
     uint64_t count = 0;
-    for (uint32_t i = 0; i < WAY_METHODS * way_kernels_count() * 3; i++) {
+    static uint32_t turn; /* the set of the teams, another one in each question */
+    uint32_t sets = way_kernels_count();
+    turn++;
+    for (uint32_t i = 0; i < WAY_METHODS * (sets + 2); i++) {
+        uint32_t k = i / WAY_METHODS; /* each set by one thread, then teams of 2 and 3 */
         way.method = way_methods[i % WAY_METHODS];
-        way.threads = 1 + i / WAY_METHODS % 3;
-        way.kernels = way_kernels(i / WAY_METHODS / 3);
+        way.threads = k < sets ? 1 : k - sets + 2;
+        way.kernels = way_kernels(k < sets ? k : turn % sets);
         way.team_always = true;
         result = kit_near(kit.scene, &way);
         assert_int_equal(result.incomplete, PCCD_COMPLETE);

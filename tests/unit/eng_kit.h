@@ -71,8 +71,9 @@ void kit_begin_with(struct eng_mesh *a, struct eng_mesh *b);
 
 struct eng_question kit_question(enum pccd_near_what what);
 
-/* Ask by every method, number of threads and instruction set: the same complete answer
- * each time. Records are the last one's. */
+/* Ask by every method with every instruction set by one thread, and by teams of two and
+ * three with one set, another one in each question: the same complete answer each time.
+ * Records are the last one's. */
 struct eng_step_result kit_ask(const struct eng_question *settings);
 struct eng_step_result kit_ask_for(enum pccd_near_what what);
 
