@@ -107,6 +107,8 @@ CASE(decide__vertex_on_a_circle_meets_a_wall_when_it_does)
         assert_int_equal(decide_turn(0, end, &pair, tolerance), ENG_TURNING_MEETS);
         double due = atan2(face[1][1], face[1][0]) / end;
         expect_proved(due, tolerance);
+        /* No look is lost on the last digits of the time. */
+        assert_true(answer.looks <= (angle < 1 ? 6 : 10));
         /* The face is left behind at its clockwise side. */
         assert_true(fabs((double)answer.hit.normal[0] - sin(angle)) < 1e-6);
         assert_true(fabs((double)answer.hit.normal[1] + cos(angle)) < 1e-6);

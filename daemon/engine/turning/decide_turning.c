@@ -26,7 +26,7 @@
 
 /* Spans that turn by more than their chords show are cut without a closer look: where
  * points are off their chords by more than this part of their way. */
-#define BENT_MOST 0x1p-5
+#define BENT_MOST 0x1p-4
 
 /* Halves of the step, and what is cut off at the end of a bracket. */
 #define SPANS_MAX 96u
@@ -36,6 +36,11 @@
 
 /* So often the time is refined up to which planes keep features apart. */
 #define CUTS 2
+
+/* So often the time is refined when they cross, where straight features are free up to
+ * the last such part of the way there. */
+#define REFINEMENTS  2
+#define REFINED_MOST 0.25
 
 /* Shorter spans are not cut where nobody knows. */
 #define LENGTH_LEAST 0x1p-44
@@ -71,7 +76,9 @@ struct passage {
     double reach;  /* eps, and a little more, as the motion is scaled */
     double f[4];   /* Bernstein coefficients of det[p, b, c] */
     double height; /* where |det| is more, both planes are farther apart than reach */
+    double edge;   /* and at either end, where points are on their chords */
     double middle; /* part of the span after which f is 0; -1: nobody knows */
+    bool is_inside; /* there the planes cross within both features, it seems */
 };
 
 struct decider {
@@ -248,6 +255,10 @@ static void set_passage(enum pccd_kind kind, const struct span *span,
     across = across * (1 + 8 * ENG_U) + 32 * ENG_U * motion->size_b * motion->size_c;
     passage->reach = (span->eps * (1 + 4 * ENG_U) + ENG_TINY) * motion->scale;
     passage->height = passage->reach * across * (1 + 8 * ENG_U) + 4 * motion->e_det;
+    const double error = eng_most(span->l->error, span->r->error);
+    passage->edge = (error * (1 + 8 * ENG_U) + ENG_TINY) * motion->scale * across *
+                        (1 + 8 * ENG_U) +
+                    4 * motion->e_det;
     const bool crosses = fabs(f[0]) > motion->e_det && fabs(f[3]) > motion->e_det &&
                          (f[0] < 0) != (f[3] < 0);
     passage->middle = crosses ? eng_bernstein_root(f, &slope) : -1;
@@ -260,14 +271,14 @@ static double positive_until(double h[4])
 {
     double until = 0;
     for (int cut = 0; h[0] > 0; cut++) {
+        if (eng_least(h[1], eng_least(h[2], h[3])) > 0) {
+            return 1;
+        }
         double part = 1;
         for (int i = 1; i < 4; i++) {
             if (h[i] < h[0]) {
                 part = eng_least(part, (i / 3.0) * (h[0] / (h[0] - h[i])));
             }
-        }
-        if (eng_least(h[1], eng_least(h[2], h[3])) > 0) {
-            return 1;
         }
         until += (1 - until) * part;
         if (cut == CUTS) {
@@ -280,6 +291,26 @@ static double positive_until(double h[4])
         }
     }
     return until * (1 - 16 * ENG_U);
+}
+
+/* Return the part of a span up to which the planes across both features are certainly
+ * apart; 1: throughout. Points leave their chords by at most a parabola, which as a cubic
+ * has the coefficients 0, 4/3, 4/3 and 0. */
+static double apart_until(const struct passage *passage)
+{
+    const double *f = passage->f;
+    const double most = passage->motion.e_det * (1 / (32 * ENG_U));
+    double bow = 4 / 3.0 * (passage->height - passage->edge) * (1 + 8 * ENG_U);
+    double edge = passage->edge;
+    if (!(edge + bow <= most)) { /* more than all of det, about */
+        edge = passage->height;
+        bow = 0;
+    }
+    double h[4];
+    for (int i = 0; i < 4; i++) {
+        h[i] = (f[0] < 0 ? -f[i] : f[i]) - (i % 3 == 0 ? edge : edge + bow);
+    }
+    return positive_until(h);
 }
 
 /* Return whether the planes across both features cross within both, as far as doubles can
@@ -318,12 +349,8 @@ static enum look look_at_planes(struct decider *decider, const struct span *span
 {
     struct passage *passage = &decider->passage;
     struct eng_pose then;
-    double h[4];
     set_passage(decider->pair->kind, span, passage);
-    for (int i = 0; i < 4; i++) {
-        h[i] = (passage->f[0] < 0 ? -passage->f[i] : passage->f[i]) - passage->height;
-    }
-    const double part = positive_until(h);
+    const double part = apart_until(passage);
     if (part == 1) {
         return LOOK_FREE;
     }
@@ -331,7 +358,8 @@ static enum look look_at_planes(struct decider *decider, const struct span *span
     const bool crosses = passage->middle >= 0;
     const bool goes_on = crosses && part > 0 && !closely;
     eng_motion_pose(&passage->motion, crosses ? passage->middle : 0.5, &then);
-    if (!(goes_on && cross_inside(decider->pair->kind, &then)) &&
+    passage->is_inside = goes_on && cross_inside(decider->pair->kind, &then);
+    if (!passage->is_inside &&
         eng_motion_separates(&passage->motion, &passage->pose[0], &passage->pose[1],
                              &then, passage->reach)) {
         return LOOK_FREE;
@@ -439,12 +467,76 @@ static double try_windows(struct decider *decider, const struct span *span, doub
     return INFINITY;
 }
 
+/* Return where planes cross, about: better than where those of straight features do, at
+ * the part `at` of the span. The true determinant differs from the cubic by a parabola,
+ * nearly, which is 0 at both ends; then by a line. */
+static double refine(struct decider *decider, const struct span *span, double at)
+{
+    const struct passage *passage = &decider->passage;
+    const double *f = passage->f;
+    const double c1 = 3 * (f[1] - f[0]);
+    const double c2 = 3 * (f[2] - 2 * f[1] + f[0]);
+    const double c3 = f[3] - 3 * f[2] + 3 * f[1] - f[0];
+    const double scale = passage->motion.scale;
+    double parabola = 0;
+    double slope = 0;
+    for (int i = 0; i < REFINEMENTS; i++) {
+        struct eng_pose pose;
+        set_moment(decider, span->l->t + (span->r->t - span->l->t) * at,
+                   &decider->spare[0]);
+        set_pose(decider->pair->kind, &decider->spare[0], &pose);
+        const double det = scale * scale * scale * eng_pose_det(&pose);
+        if (i == 0) {
+            parabola = det / (at * (1 - at));
+            slope = c1 + at * (2 * c2 + at * (3 * c3)) + parabola * (1 - 2 * at);
+        }
+        const double next = at - det / slope;
+        if (!(next > 0 && next < 1)) {
+            break;
+        }
+        if (i == 0) { /* once more, on the parabola */
+            const double value = f[0] + next * (c1 + next * (c2 + next * c3)) +
+                                 parabola * next * (1 - next);
+            slope = c1 + next * (2 * c2 + next * (3 * c3)) + parabola * (1 - 2 * next);
+            at = next - value / slope;
+        } else {
+            at = next;
+        }
+        if (!(at > 0 && at < 1)) {
+            break;
+        }
+    }
+    return span->l->t + (span->r->t - span->l->t) * at;
+}
+
+/* Try a window of the tolerance around where planes cross, and whether the features are
+ * free up to there; *until becomes the time up to which they are. Return a time by which
+ * they have met, or INFINITY. */
+static double try_crossing(struct decider *decider, const struct span *span,
+                           double *until)
+{
+    const double tolerance = decider->limits->tolerance;
+    const double at = decider->passage.middle;
+    const double middle = refine(decider, span, at);
+    const double met_by = try_windows(decider, span, middle, 0.25 * tolerance, 1);
+    const struct moment *from = &decider->spare[0]; /* the window begins here */
+    if (met_by < INFINITY && from->t > span->l->t && from->t < span->r->t) {
+        struct span before;
+        set_span(decider, span->l, from, &before);
+        set_passage(decider->pair->kind, &before, &decider->passage);
+        if (apart_until(&decider->passage) == 1) {
+            *until = from->t;
+        }
+    }
+    return met_by;
+}
+
 /* Return a time by which thin features have met; INFINITY: it is not proved. They are
- * free up to `until`, and the proof is about a window around the time when the straight
- * features meet, which is shorter than the span and may go beyond it. One that is longer
- * than the tolerance would be no more than a guess. `hard`: near a border, shorter ones
- * prove what longer ones do not. */
-static double prove_thin(struct decider *decider, const struct span *span, double until,
+ * free up to *until, which may become later, and the proof is about a window around the
+ * time when the straight features meet, which is shorter than the span and may go beyond
+ * it. One that is longer than the tolerance would be no more than a guess. `hard`: near a
+ * border, shorter ones prove what longer ones do not. */
+static double prove_thin(struct decider *decider, const struct span *span, double *until,
                          bool hard)
 {
     const double tolerance = decider->limits->tolerance;
@@ -459,10 +551,13 @@ static double prove_thin(struct decider *decider, const struct span *span, doubl
     if (hard) {
         return try_windows(decider, span, middle, 0.25 * span->length, WINDOWS);
     }
-    double reach = 3 * (middle - until) + 8 * ENG_U;
+    double reach = 3 * (middle - *until) + 8 * ENG_U;
     if (2 * reach > tolerance) {
         decider->guess = middle + reach;
-        return INFINITY;
+        return decider->is_thin && passage->is_inside &&
+                       middle - *until <= REFINED_MOST * (middle - span->l->t)
+                   ? try_crossing(decider, span, until)
+                   : INFINITY;
     }
     double met_by = try_windows(decider, span, middle, reach, 1);
     return met_by < INFINITY || 8 * reach > tolerance
@@ -555,11 +650,11 @@ static void cut(struct decider *decider, const struct span *span, double until)
 }
 
 /* Prove what can be proved of a span whose straight features come near. */
-static void prove(struct decider *decider, const struct span *span, double until,
+static void prove(struct decider *decider, const struct span *span, double *until,
                   bool hard, struct found *found)
 {
     const enum pccd_kind kind = decider->pair->kind;
-    if (!decider->is_thin && !found->has_begun && until == 0) {
+    if (!decider->is_thin && !found->has_begun && *until == 0) {
         struct span instant;
         set_span(decider, span->l, span->l, &instant);
         found->met_by = eng_least(found->met_by, prove_thick(decider, &instant));
@@ -622,8 +717,14 @@ static bool look_at_first(struct decider *decider, struct found *found)
         pass(decider);
         return is_known(decider, found);
     }
+    if (found->free_until > decider->limits->t_end) {
+        return true;
+    }
     if (seen != LOOK_UNASKED) {
-        prove(decider, &span, until, is_leaf && !found->is_possible, found);
+        prove(decider, &span, &until, is_leaf && !found->is_possible, found);
+        if (!found->is_possible) {
+            found->free_until = until;
+        }
         if (is_known(decider, found)) {
             return true;
         }
@@ -668,8 +769,6 @@ static void begin(struct decider *decider)
 {
     const struct eng_turning_pair *pair = decider->pair;
     const uint32_t *points = common_kinds[pair->kind].points;
-    struct eng_path_box box = {{INFINITY, INFINITY, INFINITY},
-                               {-INFINITY, -INFINITY, -INFINITY}};
     decider->first_turning = pair->turning == 0 ? 0 : points[0];
     decider->end_turning = pair->turning == 0 ? points[0] : 4;
     decider->stands = true;
@@ -682,14 +781,12 @@ static void begin(struct decider *decider)
                 eng_most(decider->still_size, eng_most(eng_size(x), eng_size(y)));
             continue;
         }
-        for (int k = 0; k < 3; k++) {
-            box.lo[k] = eng_least(box.lo[k], x[k]);
-            box.hi[k] = eng_most(box.hi[k], x[k]);
-        }
         decider->turning_size = eng_most(decider->turning_size, eng_size(x));
     }
     decider->still_error = 8 * ENG_U * decider->still_size + ENG_TINY;
-    decider->bend = eng_path_bend(decider->poses->path, &box, 0, 1);
+    decider->bend =
+        eng_path_bend_of(decider->poses->path, pair->x[0] + decider->first_turning,
+                         decider->end_turning - decider->first_turning);
     decider->at_most = eng_thick_reach(pair->radius);
     decider->at_least = eng_thick_sum(pair->radius) * (1 - 4 * ENG_U);
     decider->is_thin = decider->at_most == 0;

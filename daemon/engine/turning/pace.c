@@ -37,48 +37,68 @@ struct eng_pace eng_pace_bound(const struct eng_path *path, double arm, double f
     return pace;
 }
 
-/* Return the largest length of what m makes of the corners of a box, that along x and y
- * alone in *flat, and the largest coordinate of the corners in *size. */
-static double measure_corners(const double m[12], const struct eng_path_box *box,
-                              double *flat, double *size)
+/* Points, as they lie in the frame of the last joint: the largest squares of their
+ * distances, and the largest coordinate before that. */
+struct measured {
+    double flat; /* along x and y alone */
+    double far;
+    double size;
+};
+
+static inline void measure(const double m[12], const double x[3],
+                           struct measured *measured)
 {
-    double far_square = 0, flat_square = 0;
-    *size = eng_most(eng_size(box->lo), eng_size(box->hi));
-    for (int i = 0; i < 8; i++) {
-        double x = i & 1 ? box->hi[0] : box->lo[0];
-        double y = i & 2 ? box->hi[1] : box->lo[1];
-        double z = i & 4 ? box->hi[2] : box->lo[2];
-        double a = ((m[0] * x + m[1] * y) + m[2] * z) + m[3];
-        double b = ((m[4] * x + m[5] * y) + m[6] * z) + m[7];
-        double c = ((m[8] * x + m[9] * y) + m[10] * z) + m[11];
-        flat_square = eng_most(flat_square, a * a + b * b);
-        far_square = eng_most(far_square, (a * a + b * b) + c * c);
-    }
-    *flat = sqrt(flat_square) * ENG_PACE_SLOP + ENG_PACE_LOST;
-    return sqrt(far_square) * ENG_PACE_SLOP + ENG_PACE_LOST;
+    double a = ((m[0] * x[0] + m[1] * x[1]) + m[2] * x[2]) + m[3];
+    double b = ((m[4] * x[0] + m[5] * x[1]) + m[6] * x[2]) + m[7];
+    double c = ((m[8] * x[0] + m[9] * x[1]) + m[10] * x[2]) + m[11];
+    measured->flat = eng_most(measured->flat, a * a + b * b);
+    measured->far = eng_most(measured->far, (a * a + b * b) + c * c);
+    measured->size = eng_most(measured->size, eng_size(x));
 }
 
 static struct eng_pace pace_of(const struct eng_path *path,
-                               const struct eng_path_box *box, double t1)
+                               const struct measured *measured, double t1)
 {
-    double flat, size;
-    double far = measure_corners(path->last, box, &flat, &size);
-    double error = path->error[0] + path->error[1] * size;
+    double error = path->error[0] + path->error[1] * measured->size;
+    double flat = sqrt(measured->flat) * ENG_PACE_SLOP + ENG_PACE_LOST;
+    double far = sqrt(measured->far) * ENG_PACE_SLOP + ENG_PACE_LOST;
     return eng_pace_bound(path, flat + error, far + error, t1);
+}
+
+static struct eng_pace pace_of_box(const struct eng_path *path,
+                                   const struct eng_path_box *box, double t1)
+{
+    struct measured measured = {0, 0, 0};
+    for (int i = 0; i < 8; i++) {
+        const double corner[3] = {i & 1 ? box->hi[0] : box->lo[0],
+                                  i & 2 ? box->hi[1] : box->lo[1],
+                                  i & 4 ? box->hi[2] : box->lo[2]};
+        measure(path->last, corner, &measured);
+    }
+    return pace_of(path, &measured, t1);
 }
 
 double eng_path_speed(const struct eng_path *path, const struct eng_path_box *box,
                       double t0, double t1)
 {
     (void)t0; /* a joint's rate is the same at all times */
-    return pace_of(path, box, t1).speed;
+    return pace_of_box(path, box, t1).speed;
 }
 
 double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box,
                      double t0, double t1)
 {
     (void)t0;
-    return pace_of(path, box, t1).bend;
+    return pace_of_box(path, box, t1).bend;
+}
+
+double eng_path_bend_of(const struct eng_path *path, const double (*x)[3], uint32_t count)
+{
+    struct measured measured = {0, 0, 0};
+    for (uint32_t i = 0; i < count; i++) {
+        measure(path->last, x[i], &measured);
+    }
+    return pace_of(path, &measured, 1).bend;
 }
 
 /* Set way[0] + way[1] |b| to at least how far a point b of the link goes within a time h:
