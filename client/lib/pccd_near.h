@@ -99,7 +99,8 @@ struct pccd_near_settings {
  *               and 0. DEPTH: the greatest is how deep one mesh is in the other
  *     crossings edges that pass through faces: DEPTH, CROSSINGS, and PAIRS, FEATURES and
  *               VERTICES with tells_crossings; of an answer that is not complete those
- *               that were found. NEAREST has one as its record, kind EF, at distance 0.
+ *               that were found. Not counted by NEAREST: its record of objects that
+ *               cross is at distance 0, of kind EF unless they also touch.
  *               One closed mesh inside another crosses nothing: DEPTH tells it
  *     verdict   CROSSINGS: NO: nothing crosses or touches: the state is free of
  *               intersections; YES: something does. Others: NONE

@@ -168,8 +168,8 @@ enum pccd_near_what {
     PCCD_NEAR_FEATURES = 1,  /* the closest features of these pairs, each once */
     PCCD_NEAR_VERTICES = 2,  /* for each vertex its bound: the least distance of the pairs
                                 that it is part of, also as a corner or an end */
-    PCCD_NEAR_NEAREST = 3,   /* for each two objects the nearest pair; EF, at distance 0,
-                                if they cross */
+    PCCD_NEAR_NEAREST = 3,   /* for each two objects the nearest pair; at distance 0 if
+                                they cross: EF, unless something touches, too */
     PCCD_NEAR_CROSSINGS = 4, /* each edge that passes through a face */
     PCCD_NEAR_DEPTH = 5,     /* how deep vertices are in closed meshes of others */
     PCCD_NEAR_COUNT = 6
