@@ -439,6 +439,9 @@ class Meshes(Case):
                 (status.E_INDEX, TENT, TENT_TRIANGLES.astype(int) - 1),
                 (status.E_INVAL, TENT[:, :2], TENT_TRIANGLES),
                 (status.E_INVAL, TENT[:0], TENT_TRIANGLES),
+                (status.E_INVAL, TENT + 0j, TENT_TRIANGLES),  # these were read as others
+                (status.E_INVAL, TENT.astype(str), TENT_TRIANGLES),
+                (status.E_INVAL, np.ma.masked_array(TENT, TENT > 0), TENT_TRIANGLES),
                 (status.E_INVAL, TENT, TENT_TRIANGLES[:0]),
                 (status.E_INVAL, TENT, TENT_TRIANGLES.astype(float)),
                 (status.E_INVAL, TENT, TENT_TRIANGLES.reshape(-1))):

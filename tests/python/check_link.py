@@ -64,6 +64,8 @@ class Ways(Case):
                         {"private": True}):
             self.fails(status.E_INVAL, pccd.connect, "unix:a", **options)
         self.fails(status.E_INVAL, pccd.connect, private=True, autostart=False)
+        error = self.fails(status.E_INVAL, pccd.connect, "direct:", timeout=0)
+        self.assertEqual(error.text, "timeout is 0 seconds")
         error = self.fails(status.E_NODAEMON, pccd.connect, "unix:/nowhere/pccd.sock")
         self.assertIn("/nowhere/pccd.sock", error.text)
         with mock.patch.dict(os.environ, {"PCCD_URL": "unix:/nowhere/else"}):

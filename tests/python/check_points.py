@@ -78,6 +78,8 @@ class Points(Supervised):
             bodies = client.bodies(scene)
             contacts = answer.contacts.copy()
             made = bodies.manifolds(contacts, self.x0, self.x1)
+            flat = np.concatenate(list(self.x0.values()))  # of which object is what?
+            self.fails(pccd.Status.E_INVAL, bodies.points, contacts, flat)
         self.assertEqual(made["object_a"].tolist(), [self.plate, self.plate])
         self.assertEqual(made["object_b"].tolist(), self.cubes)
         flat, tilted = made

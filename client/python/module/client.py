@@ -235,7 +235,8 @@ class Client(Observe):
 
         what        enum NearWhat: PAIRS (each VF and EE within the distance), FEATURES
                     (merged to closest features), VERTICES (a bound each), NEAREST (for
-                    each two objects; kind EF if they cross), CROSSINGS, DEPTH
+                    each two objects; d_lo 0 if they cross or touch), CROSSINGS,
+                    DEPTH
         distance    0 .. 1e18: exactly that is within it; of NEAREST also math.inf. None:
                     of NEAREST math.inf, of PAIRS and FEATURES 0, what touches; VERTICES
                     wants one
@@ -397,6 +398,8 @@ def connect(url: Optional[str] = None, *, private: bool = False,
                   clients
     daemons_max   a request over which so many daemons have ended fails
     """
+    if timeout == 0:
+        raise refusal(Status.E_INVAL, "timeout is 0 seconds")
     if daemons_max < 1:
         raise refusal(Status.E_INVAL, f"daemons_max is {daemons_max}")
     options = abi.pccd_options()

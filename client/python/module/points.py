@@ -83,6 +83,10 @@ class Bodies:
     def _placed(self, x0: Mapping[int, ArrayLike], x1: Mapping[int, ArrayLike],
                 poses: Poses) -> Tuple[Any, List[Any]]:
         """Those that have positions, and the arrays, which have to stay."""
+        for name, given in (("x0", x0), ("x1", x1), ("poses", poses)):
+            if not isinstance(given, Mapping):
+                raise refusal(Status.E_INVAL, f"{name} is {type(given).__name__}, not a "
+                              "dictionary of arrays by the handles of their objects")
         handles = [handle for handle in self._shapes if handle in x0]
         structs, kept = self._of(handles), []
 
