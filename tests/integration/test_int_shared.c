@@ -433,6 +433,10 @@ CASE(shared__readers_hear_of_every_last_step)
     assert_int_equal(news.number, STEPS + 1);
     assert_int_equal(pccd_scene_read(reader, scene, news.number - 1, 0, &read),
                      PCCD_E_STATE);
+    /* By the numbers of the scene, both: cloth's own are others. */
+    char told[64];
+    snprintf(told, sizeof told, "to its step %d, not to %d", STEPS + 1, STEPS);
+    assert_non_null(strstr(pccd_error_text(reader), told));
     assert_ok(pccd_scene_read(reader, scene, news.number, 0, &read));
     assert_memory_equal(read.hash, answer.hash, sizeof read.hash);
     pccd_answer_release(reader, &read);

@@ -91,14 +91,17 @@ static int check_fetch(struct srv_request *request, const struct srv_kept *kept,
                                wanted->scene, wanted->any);
     }
     if (!is_meant) {
+        bool is_numbered = wanted->number != 0;
         return proto_error_set(
             &request->error, PCCD_E_STATE,
-            "the answer to %s %llu is gone, %s %s %llu has been "
-            "answered since",
+            "scene 0x%x keeps its last answer alone, to %s %s %llu, not to %llu",
+            wanted->scene,
+            is_numbered ? "its"
+            : is_own    ? "this session's"
+                        : "another session's",
             wanted->what,
-            (unsigned long long)(wanted->number != 0 ? wanted->number : wanted->step),
-            is_own ? "this session's" : "another session's", wanted->what,
-            (unsigned long long)kept->answer.step);
+            (unsigned long long)(is_numbered ? kept->answer.number : kept->answer.step),
+            (unsigned long long)(is_numbered ? wanted->number : wanted->step));
     }
     if (wanted->cursor > kept->answer.total) {
         return proto_error_set(&request->error, PCCD_E_INVAL,
