@@ -151,7 +151,7 @@ static int choose_way(struct pccd_client *client, const struct pccd_options *opt
         link->way = CLI_WAY_PRIVATE;
         return 0;
     }
-    if (url == NULL || url[0] == '\0') {
+    if (url == NULL || (url[0] == '\0' && options->url == NULL)) { /* PCCD_URL= is none */
         link->way = CLI_WAY_USER;
         return 0;
     }

@@ -153,7 +153,10 @@ static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *d
         data->x == NULL ? "x is NULL"
         : data->triangles == NULL && (data->triangle_count > 0 || !is_free)
             ? "triangles is NULL"
-        : data->vertex_count == 0                       ? "no vertices"
+        : data->vertex_count == 0 ? "no vertices"
+        : (data->vertex_count | data->triangle_count | data->edge_count |
+           data->point_count) > PROTO_COUNT_MAX
+            ? "more than 2147483647 vertices, triangles, edges or points"
         : data->triangle_count == 0 && !is_free         ? "no triangles"
         : data->edges == NULL && data->edge_count > 0   ? "edges is NULL"
         : data->points == NULL && data->point_count > 0 ? "points is NULL"

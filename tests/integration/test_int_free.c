@@ -201,6 +201,9 @@ CASE(free__refuses_what_cannot_be)
                      PCCD_E_INDEX);
     data.edge_count = data.point_count = data.triangle_count = 0;
     assert_int_equal(put(&play, &data, "no triangles"), PCCD_E_INVAL);
+    data = data_below();
+    data.point_count = UINT32_MAX; /* not the memory of a copy is short */
+    assert_int_equal(put(&play, &data, "more than 2147483647"), PCCD_E_INVAL);
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     settings.what = PCCD_NEAR_DEPTH;
     assert_int_equal(pccd_ask_near(play.client, play.scene, NULL, 0, &settings, &answer),

@@ -57,7 +57,7 @@ class Ways(Case):
     # If this failed, a mistyped url would lead to a daemon that nobody meant.
     def test_urls__are_checked(self):
         status = pccd.Status
-        for url in ("tcp:host", "unix:", "unix:" + "x" * 108, "direct"):
+        for url in ("", "tcp:host", "unix:", "unix:" + "x" * 108, "direct"):
             self.fails(status.E_INVAL, pccd.connect, url)
         for options in ({"timeout": 0}, {"slot_count": 17}, {"slot_bytes": 100},
                         {"result_bytes": 4096}, {"reconnect": -1}, {"daemons_max": 0},
