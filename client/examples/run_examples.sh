@@ -5,7 +5,7 @@
 #           printed. A daemon that it leaves behind would show in the private folder check.
 set -u
 
-examples="hello hinge cloth cloth_near cloth_thick game_balls game_loop two_processes"
+examples="hello cloth cloth_near cloth_thick game_balls game_boxes game_loop two_processes"
 runtime=$(mktemp -d)
 trap 'rm -rf "$runtime"' EXIT
 export XDG_RUNTIME_DIR=$runtime

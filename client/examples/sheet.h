@@ -3,8 +3,8 @@
  *
  * Room:     client/examples. May include: pccd.h.
  * Does:     number the triangles of a grid of side x side vertices, and let it fall as a
- *           cloth that keeps its size; make a ball; say where a contact's points are;
- *           print the error and end the program when a call of the library has failed.
+ *           cloth that keeps its size; make balls and boxes; say where a contact's points
+ *           are; print the error and end the program when a call of the library has failed.
  * Threads:  one.
  */
 #ifndef EXAMPLE_SHEET_H
@@ -93,6 +93,26 @@ static inline void ball_make(uint32_t rings, uint32_t round, double radius,
         uint32_t above = v + round < last ? v + round : last;
         memcpy(triangles[2 * v - 2], (uint32_t[]){v, below, next}, 12);
         memcpy(triangles[2 * v - 1], (uint32_t[]){v, next, above}, 12);
+    }
+}
+
+/* Make a box around the origin, as far as `half` in each direction. */
+static inline void box_make(const double half[3], double (*x)[3],
+                            uint32_t (*triangles)[3])
+{
+    static const uint32_t faces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                          {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                          {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    memcpy(triangles, faces, sizeof faces);
+    for (int i = 0; i < 24; i++) {
+        x[i / 3][i % 3] = i / 3 >> i % 3 & 1 ? half[i % 3] : -half[i % 3];
+    }
+}
+
+static inline void cross(const double a[3], const double b[3], double to[3])
+{
+    for (int k = 0; k < 3; k++) {
+        to[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
     }
 }
 
