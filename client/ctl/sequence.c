@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "confined.h"
@@ -17,6 +18,12 @@
 
 #define FILES_MAX  ((uint32_t)1 << 20)
 #define DIGITS_MAX 18 /* of a number in a name */
+
+/* State of a file by which a change is noticed; {0}: it cannot be looked at. */
+struct ctl_stamp {
+    uint64_t device, inode, bytes;
+    struct timespec changed;
+};
 
 /* A name around its %d. */
 struct pattern {

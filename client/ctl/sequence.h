@@ -11,15 +11,8 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-#include <time.h>
 
 #include "error.h"
-
-/* State of a file by which a change is noticed; {0}: it cannot be looked at. */
-struct ctl_stamp {
-    uint64_t device, inode, bytes;
-    struct timespec changed;
-};
 
 struct ctl_sequence {
     uint32_t count;
