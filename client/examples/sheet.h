@@ -4,7 +4,7 @@
  * Room:     client/examples. May include: pccd.h.
  * Does:     number the triangles of a grid of side x side vertices, and let it fall as a
  *           cloth that keeps its size; make balls and boxes; say where a contact's points
- *           are; print the error and end the program when a call of the library has failed.
+ *           are; print the error and end the program when a call has failed.
  * Threads:  one.
  */
 #ifndef EXAMPLE_SHEET_H
