@@ -249,9 +249,9 @@ def milliseconds(name: str, seconds: float) -> int:
 def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
     """(n, 3) float32 or float64, packed; anything else becomes float64."""
     made = np.asarray(x)
-    if made.dtype.kind not in "fiuO" or np.ma.is_masked(x):
-        raise refusal(Status.E_INVAL, f"{name} has values that are masked"
-                      if np.ma.is_masked(x) else
+    masked = isinstance(x, np.ma.MaskedArray) and bool(np.any(getattr(x, "mask")))
+    if masked or made.dtype.kind not in "fiuO":
+        raise refusal(Status.E_INVAL, f"{name} has values that are masked" if masked else
                       f"{name} are {made.dtype}, not real numbers")
     dtype = np.float32 if made.dtype == np.float32 else np.float64
     made = np.ascontiguousarray(made, dtype)
