@@ -818,6 +818,21 @@ class Objects(InBrowser):
         self.browser.run("document.getElementById('objects-fold').open = true")
         self.axe()
 
+    # If it failed, the page would say of pairs that nobody asked about that they do not
+    # meet, and its command would draw another contact.
+    def test_options_that_leave_out_pairs__are_told(self):
+        page = os.path.join(All.folder, "some.html")
+        pccdctl("inspect", "--no-self", "--between", f"peg,{POST}", "-o", page,
+                self.objects.files, folder=All.folder)
+        self.open(page)
+        self.assertIn(f"--no-self --between 'peg,{POST}'", self.text("chips"))
+        self.assertIn("nothing that was asked about meets", self.text("sentence"))
+        pccdctl("check", "--between", "sheet,peg", "--page", page, self.objects.files,
+                check=False, folder=All.folder)
+        self.open(page)
+        self.assertTrue(self.facts("detail-facts")["drawn by"].startswith(
+            "pccdctl render FILES --between sheet,peg --steps 1 "))
+
     # If it failed, objects would have numbers where the user gave them names.
     def test_objects__have_names_and_colours_and_can_be_asked_for(self):
         self.open(self.objects.page)

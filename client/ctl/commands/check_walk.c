@@ -617,7 +617,8 @@ static void walk_init(struct walk *walk, const struct check_command *command)
                           .frames = ask->frames,
                           .scene = {.settings = &ask->object, .frames = &walk->frames},
                           .lines = CHECK_LINES_INIT,
-                          .failing = {.options = &command->failing},
+                          .failing = {.options = &command->failing,
+                                      .scene = &command->scene},
                           .report = ask_report_to(ask)};
     walk->frames.wish.takes_cut = true;
     if (command->results.path != NULL && strcmp(command->results.path, "-") == 0) {

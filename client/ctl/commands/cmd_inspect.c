@@ -174,6 +174,8 @@ int ctl_cmd_inspect(int argc, char **argv)
         const struct play_settings parts[2] = {command.options.play};
         command.settings.up =
             command.settings.up != 0 ? command.settings.up : play_up(parts);
+        command.settings.between = command.options.scene.between;
+        command.settings.has_no_self = command.options.scene.has_no_self;
         command.settings.is_of_files = play_options_are_frames(&command.options);
         const struct inspect_source source = {command.path,
                                               tool_base_name(command.options.play.path),

@@ -211,7 +211,9 @@ static int write_page(const struct failing *failing, const struct ctl_link *link
         .boxes_max = INSPECT_BOXES_DEFAULT,
         .bytes_max = most > 0 ? most : INSPECT_BYTES_DEFAULT,
         .up = play_up(parts),
-        .is_of_files = true};
+        .is_of_files = true,
+        .between = failing->scene->between,
+        .has_no_self = failing->scene->has_no_self};
     struct showing showing = {failing, link};
     struct inspect inspect = {.kept = 0};
     struct play_summary summary = {.frames = 0};

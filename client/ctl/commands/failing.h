@@ -27,6 +27,7 @@ extern const struct option_table failing_table;
 /* Before, {0} but for the options. */
 struct failing {
     const struct failing_options *options;
+    const struct scene_options *scene; /* which pairs are asked about */
     struct failing_step *steps; /* ours */
     uint32_t count;
     uint64_t left_out; /* of the steps that fail: those behind the first ones */

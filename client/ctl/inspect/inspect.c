@@ -392,6 +392,21 @@ static json_t *recording_of(const char *name, const struct play_summary *summary
     return object;
 }
 
+/* Return the options that left out pairs, as a command line has them: the page must not
+ * say of those that they do not meet. */
+static json_t *asked_of(const struct inspect_settings *settings, bool *ok)
+{
+    json_t *asked = json_array();
+    if (settings->has_no_self) {
+        json_append(asked, json_string("--no-self"), ok);
+    }
+    for (size_t i = 0; i < settings->between.count; i++) {
+        json_append(asked, json_string("--between"), ok);
+        json_append(asked, json_text(settings->between.list[i]), ok);
+    }
+    return asked;
+}
+
 int inspect_finish(struct inspect *inspect, const char *name,
                    const struct play_summary *summary, struct ctl_error *error)
 {
@@ -402,6 +417,7 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set_name(meta, "version", pccd_version(), &ok);
     set(meta, "recording", recording_of(name, summary, &ok), &ok);
     set(meta, "is_of_files", json_boolean(inspect->settings.is_of_files), &ok);
+    set(meta, "asked", asked_of(&inspect->settings, &ok), &ok);
     set_count(meta, "every", inspect->settings.every, &ok);
     set(meta, "is_full", json_boolean(inspect->is_full), &ok);
     set(meta, "is_rounded", json_boolean(inspect->settings.is_rounded), &ok);

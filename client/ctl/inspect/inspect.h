@@ -9,6 +9,7 @@
 #include <stdio.h>
 
 #include "error.h"
+#include "option_table.h"
 #include "pccd.h"
 #include "play.h"
 #include "whole_file.h"
@@ -82,6 +83,8 @@ struct inspect_settings {
     bool is_rounded;    /* positions in 16 bits each */
     uint32_t up;        /* 1 x, 2 y, 3 z (play_up) */
     bool is_of_files;   /* and not of a recording */
+    struct option_arguments between; /* --between; the caller's */
+    bool has_no_self;                /* --no-self */
 };
 
 #define INSPECT_KIND_SHIFT 6u

@@ -7,7 +7,7 @@ import { FEATURES, KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
 import { partsOf } from "./timeline.js";
-import { INCOMPLETE, absentTexts, digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
+import { INCOMPLETE, absentTexts, askedText, digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -64,6 +64,7 @@ export function makeHead({ meta, all }) {
     chip(recording.cpu || "?", "instruction set of the daemon that answered then"),
     ...(recording.is_whole ? [] : [chip("cut short", "the recording has no end", "warn")]),
     ...(meta.is_rounded ? [chip("16-bit positions", "written with --round")] : []),
+    ...(meta.asked.length > 0 ? [chip(`asked about: ${askedText(meta)}`, "Pairs that these options leave out may meet", "warn")] : []),
     chip(...completeness(all)),
     ...comparisons(all, meta.is_of_files).map((texts) => chip(...texts)),
   ];
@@ -132,7 +133,7 @@ export function makeAnswer(data, state) {
   state.on(["index"], ({ index }) => {
     const step = data.step(index);
     const { answer } = step;
-    const whole = { last: data.all.at(-1).number, scenes: [...new Set(data.meta.steps.map(({ scene }) => scene))] };
+    const whole = { last: data.all.at(-1).number, scenes: [...new Set(data.meta.steps.map(({ scene }) => scene))], isOfSome: data.meta.asked.length > 0 };
     const [before, total, behind] = sentenceOf(step, whole, true);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
@@ -185,7 +186,7 @@ export function makeWhole({ meta, all }, show) {
   const slowest = greatest(steps.slice(1), ({ times }) => times.step);
   const isPart = all.length < meta.recording.steps;
   byId("whole").replaceChildren(
-    `In ${count(meeting.length)} of ${count(steps.length)} steps${isPart ? ` (${steps[0].number} to ${steps.at(-1).number})` : ""} something meets`,
+    `In ${count(meeting.length)} of ${count(steps.length)} steps${isPart ? ` (${steps[0].number} to ${steps.at(-1).number})` : ""} something${meta.asked.length > 0 ? " that was asked about" : ""} meets`,
     ...(meeting.length > 0 ? [", first in ", go(meeting[0])] : []),
     ...(most.answer.total > 0 ? [", most in ", go(most), ` (${count(most.answer.total)})`] : []),
     ...(crossed.length > 0 ? [`; ${plural(crossed.length, "step begins", "steps begin")} with an intersection, the first is `, go(crossed[0])] : []),

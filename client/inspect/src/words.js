@@ -78,12 +78,12 @@ function whereText(whole, isShort) {
 }
 
 /** What a step was told of its start, before anything moves; "": nothing intersects there. */
-function startText({ answer, tells_start: isTold }, hasNone) {
+function startText({ answer, tells_start: isTold }, hasNone, isOfSome) {
   const { crossings, start_inside: inside } = answer;
   return !isTold ? (hasNone ? " during the step; what already intersects at its start was not asked with it" : "")
     : crossings > 0 ? `, but ${plural(crossings, "pair", "pairs")} of features already ${crossings === 1 ? "intersects" : "intersect"} at the start`
       : inside > 0 ? `, but ${plural(inside, "pair", "pairs")} of features ${inside === 1 ? "is" : "are"} already within their distance at the start`
-        : hasNone ? ": nothing meets" : "";
+        : hasNone ? `: nothing${isOfSome ? " that was asked about" : ""} meets` : "";
 }
 
 /** What a question about what is near asked for: its records as [one, many]. */
@@ -115,10 +115,14 @@ export function firstOf(step) {
 /** Of all steps that were played, the first that has a contact with a time; undefined: none has. */
 export const firstStepOf = ({ all }) => all.find(({ near, answer }) => !near && answer.toi_first !== null);
 
-/** The file of a page in a command; files that were given are not known by their places. */
-function fileText({ recording: { name }, is_of_files: isOfFiles }) {
-  return isOfFiles ? "FILES" : /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
-}
+const quoted = (word) => (/^[\w./,-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+
+/** Which pairs were asked about, as options of a command; "": all. */
+export const askedText = ({ asked }) => asked.map(quoted).join(" ");
+
+/** The file of a page in a command, with what was asked of it: else contacts have other numbers.
+ * Files that were given are not known by their places. */
+const fileText = (meta) => [meta.is_of_files ? "FILES" : quoted(meta.recording.name), ...meta.asked.map(quoted)].join(" ");
 
 /** The command that draws a record of a step. */
 export const renderText = ({ number }, i, meta) =>
@@ -145,8 +149,8 @@ export const nounOf = (step) => (step.near ? nearNoun(step)
     : ["contact", "contacts"]);
 
 /** The sentence that says what is looked at, in parts: [before, count, behind]; `last`: the number of the
- * last step; `scenes`: the handles of all; `isShort` as of whereText. */
-export function sentenceOf(step, { last, scenes }, isShort) {
+ * last step; `scenes`: the handles of all; `isOfSome`: not all pairs were asked about; `isShort` as of whereText. */
+export function sentenceOf(step, { last, scenes, isOfSome }, isShort) {
   const { answer, near, number } = step;
   const scene = scenes.length > 1 ? `, scene ${count(scenes.indexOf(step.scene) + 1)} of ${count(scenes.length)}` : "";
   const before = `${near ? `Question ${count(number)}` : `Step ${count(number)} of ${count(last)}`}${scene}: `;
@@ -162,6 +166,6 @@ export function sentenceOf(step, { last, scenes }, isShort) {
   const first = near && answer.distance_min !== null ? `; the least distance is ${digits(answer.distance_min)}`
     : !near && answer.toi_first !== null ? `${answer.mode === "first" ? "" : ", the first"} at t\u00a0=\u00a0${digits(answer.toi_first)}` : "";
   const none = isOfBounds(step) ? `; ${count(step.contacts.count)} ${step.contacts.count === 1 ? "has" : "have"} something within ${digits(step.asked.distance)}`
-    : !near ? startText(step, answer.total === 0 && !cut) : "";
+    : !near ? startText(step, answer.total === 0 && !cut, isOfSome) : "";
   return [before, answer.total, ` ${answer.total === 1 ? one : many}${isOfBounds(step) ? "" : whereText(step, isShort)}${first}${answer.total > 0 ? asked : ""}${none}${cut}`];
 }
