@@ -98,9 +98,11 @@ static void cast_draw(struct cast *cast, struct prng *random)
 {
     for (uint32_t j = 0; j < JOINTS; j++) {
         uint32_t parent = j > 0 && prng_below(random, 2) ? j - 1 : PCCD_NO_JOINT;
-        cast->joints[j] =
-            hinge(parent, prng_between(random, -1, 1), prng_between(random, -1, 1), 0,
-                  prng_below(random, 5) == 0 ? 2 * M_PI : prng_between(random, -2, 2));
+        const double x = prng_between(random, -1, 1); /* in this order by any compiler */
+        const double y = prng_between(random, -1, 1);
+        const double turn =
+            prng_below(random, 5) == 0 ? 2 * M_PI : prng_between(random, -2, 2);
+        cast->joints[j] = hinge(parent, x, y, 0, turn);
         cast->joints[j].axis[0] = prng_between(random, -0.5, 0.5);
         cast->joints[j].from[0] = prng_below(random, 2) ? 0 : prng_between(random, -1, 1);
     }

@@ -210,7 +210,8 @@ static double stretch_of(const double m[12])
 }
 
 /* Set boxes around an object that goes straight, or stands. */
-static void set_straight(const struct eng_object *object, struct eng_turning_item *item)
+static void set_straight(const struct eng_object *object, unsigned now,
+                         struct eng_turning_item *item)
 {
     const struct eng_mesh *mesh = object->mesh;
     item->box = object->bounds[0];
@@ -227,7 +228,7 @@ static void set_straight(const struct eng_object *object, struct eng_turning_ite
             radius = stretch_of(m) * mesh->radius +
                      2 * eng_rounding_error(m, &mesh->bounds);
         } else {
-            const struct eng_bounds *bounds = &object->bounds[end];
+            const struct eng_bounds *bounds = &object->bounds[end == 0 ? 1 - now : now];
             double half[3];
             for (int k = 0; k < 3; k++) {
                 middle[k] = 0.5 * bounds->low[k] + 0.5 * bounds->high[k];
@@ -247,7 +248,7 @@ static void set_around(struct eng_turning_step *step, const struct eng_object *o
     if (object->joint != PCCD_NO_JOINT) {
         set_turning(step, object, item);
     } else {
-        set_straight(object, item);
+        set_straight(object, step->scene->now, item);
     }
     widen(&item->box, reach);
     item->sphere.radius = (item->sphere.radius + reach) * (1 + ROUNDING) + LOST;
