@@ -58,6 +58,7 @@ static inline uint64_t common_first_stray(const void *at, uint32_t format, uint6
  * with -ffp-contract=off. */
 static inline void common_transform(const double m[12], const double x[3], double to[3])
 {
+#pragma GCC unroll 3
     for (int row = 0; row < 3; row++) {
         const double *r = m + 4 * row;
         to[row] = ((r[0] * x[0] + r[1] * x[1]) + r[2] * x[2]) + r[3];

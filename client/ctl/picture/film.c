@@ -57,8 +57,12 @@ static void write_chunk(struct film *film, const char *type, const unsigned char
     sum = bytes > 0 ? crc32(sum, data, bytes) : sum;
     put_number(tail, (uint32_t)sum, 4);
     fwrite(head, sizeof head, 1, film->to);
-    fwrite(lead, 1, lead_bytes, film->to);
-    fwrite(data, 1, bytes, film->to);
+    if (lead_bytes > 0) {
+        fwrite(lead, 1, lead_bytes, film->to);
+    }
+    if (bytes > 0) {
+        fwrite(data, 1, bytes, film->to);
+    }
     fwrite(tail, sizeof tail, 1, film->to);
 }
 

@@ -235,20 +235,21 @@ void eng_stage_unmap(struct eng_scene *scene, uint32_t object_idx)
     }
 }
 
-/* out = R x + t, checked against the coordinate range like any other input. */
-static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
-                     const double m[12], struct eng_bounds *bounds)
+/* out = R x + t, checked against the coordinate range like any other input: by the bounds
+ * alone, which see all, since no sum of products of numbers up to 1e18 can be a NaN. */
+static int transform(double (*restrict out)[3], const double (*restrict x)[3],
+                     uint32_t count, const double m[12], struct eng_bounds *bounds)
 {
-    bool bad = false;
+    double own[12]; /* in registers: what is written to `out` cannot change it */
+    memcpy(own, m, sizeof own);
     for (uint32_t i = 0; i < count; i++) {
-        common_transform(m, x[i], out[i]);
-        for (int k = 0; k < 3; k++) {
-            double y = out[i][k];
-            bad |= !(y <= PROTO_COORDINATE_MAX && y >= -PROTO_COORDINATE_MAX);
-        }
+        common_transform(own, x[i], out[i]);
     }
-    if (!bad) {
-        eng_kernels()->bound_positions((const double(*)[3])out, count, bounds);
+    eng_kernels()->bound_positions((const double(*)[3])out, count, bounds);
+    bool bad = false;
+    for (int k = 0; k < 3; k++) {
+        bad |= !(bounds->low[k] >= -PROTO_COORDINATE_MAX &&
+                 bounds->high[k] <= PROTO_COORDINATE_MAX);
     }
     return bad ? PCCD_E_NOTFINITE : PCCD_OK;
 }
