@@ -76,7 +76,10 @@ const char *tool_shown_column(const char *text, uint32_t columns)
 const char *tool_shown_number(double number)
 {
     char *shown = place();
-    (void)snprintf(shown, PLACE_BYTES, "%.4g", number);
+    int digits = 4;
+    do {
+        (void)snprintf(shown, PLACE_BYTES, "%.*g", digits++, number);
+    } while (number < 1 && strcmp(shown, "1") == 0);
     return shown;
 }
 

@@ -3,6 +3,8 @@
 #include "printable.h"
 #include "shown.h"
 
+#include <math.h>
+
 /* If it failed: a file's name could clear the screen, or answer for the user. */
 CASE(shown__lets_nothing_control_a_terminal)
 {
@@ -96,6 +98,17 @@ CASE(shown__is_as_wide_as_its_column)
     assert_string_equal(tool_shown_column("abcde", 4), "abc+");
     assert_string_equal(tool_shown_column("\xc3\xbc\xc3\xbc\xc3\xbc", 2), "\xc3\xbc+");
     assert_string_equal(tool_shown_cut("ab", 4), "ab");
+}
+
+/* If it failed: what meets just before the end would be shown as if it met there. */
+CASE(number__below_1_is_not_shown_as_1)
+{
+    assert_string_equal(tool_shown_number(0.99999999977), "0.9999999998");
+    assert_string_equal(tool_shown_number(nextafter(1, 0)), "0.9999999999999999");
+    assert_string_equal(tool_shown_number(0.99994), "0.9999");
+    assert_string_equal(tool_shown_number(1), "1");
+    assert_string_equal(tool_shown_number(-1), "-1");
+    assert_string_equal(tool_shown_number(1.00001), "1");
 }
 
 /* If it failed: one would be many. */
