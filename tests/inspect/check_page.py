@@ -486,7 +486,7 @@ class Opened(InBrowser):
         # The two numbers of a contact say what they count, in each order of the list.
         chosen = self.value("chosen")
         self.assertEqual(self.facts("detail-facts")["number"],
-                         f"{chosen + 1} in file order")
+                         f"contact {chosen + 1} of this step, in file order")
         self.set("order", "record")
         self.assertEqual(self.text("place"),
                          f"row {chosen + 1} of {said['contacts']}, in file order")
@@ -510,6 +510,9 @@ class Opened(InBrowser):
         self.set("step", 0)  # there it is not the moment of anything
         self.assertEqual((self.value("chosen"), self.value("t")), (-1, 1))
         self.assertIn("step 1; t = 1, its end", self.text("caption"))
+        self.browser.run("pccd.state.set({t: 0.99999999977})")
+        self.browser.frames()
+        self.assertEqual(self.text("caption"), "step 1; t = 0.9999999998")
         self.set("find", "nonsense")
         self.browser.click("#go-earliest")
         index = next(i for i, said in enumerate(self.scene.steps) if said["contacts"])
@@ -579,6 +582,8 @@ class Opened(InBrowser):
                 self.assertEqual(len(self.value("picked")), many)
                 unknown = {"nonsense": "“nonsense”", "vertex -1": "“-1”"}.get(text)
                 said = self.text("picked")
+                self.assertEqual(": frame0 has 174 vertices" in said,
+                                 text == "vertex 99999", said)
                 self.assertEqual("no object is called" in said, unknown is not None)
                 self.assertIn(unknown or "", said)
 
@@ -590,7 +595,7 @@ class Opened(InBrowser):
         self.browser.run("pccd.state.set({chosen: 0})")
         facts = self.facts("detail-facts")
         row = next(row for row in self.scene.contacts if int(row["step"]) == number)
-        self.assertEqual(facts["first"], f"vertex {row['i0']}, the line is its way")
+        self.assertEqual(facts["first"], f"vertex {row['i0']}, the line shows its path")
         self.assertEqual(shlex.split(facts["drawn by"]), [
             "pccdctl", "render", NAME, "--steps", str(number), "--at", "contact 1"])
         for name, of, error in (("place", "a", 0.02), ("normal", "n", 1e-4)):
@@ -601,6 +606,7 @@ class Opened(InBrowser):
         self.browser.wait("return window.copied")
         copied = self.browser.run("return window.copied")
         told = json.loads(copied)
+        self.assertEqual(told["file"], NAME)
         self.assertEqual((told["step"], told["record"], told["kind"]), (number, 1, "vf"))
         self.assertEqual((told["toi"], told["a"]["vertex"]),
                          (float(row["toi"]), int(row["i0"])))
@@ -620,11 +626,15 @@ class Opened(InBrowser):
         self.browser.click("#wires")
         self.browser.click("#engine summary")
         self.browser.press("1")
-        self.browser.run("pccd.state.set({range: [0, 0.9]})")
-        camera = None
+        self.browser.run("pccd.state.set({range: [0, 0.9]});"
+                         "pccd.state.set({chosen: pccd.state.values.picked.at(-1)});"
+                         "pccd.fly(pccd.state.values.chosen)")
+        self.browser.frames(1)
+        at_once, camera = self.value("camera"), None
         while camera != self.value("camera"):  # it glides
             camera = self.value("camera")
             self.browser.frames(8)
+        self.assertEqual(at_once, camera)  # whoever copies the address does not wait
         names = ("index", "chosen", "find", "up", "opacity", "wires", "engine", "kinds",
                  "range", "camera", "t")
         values = [self.value(name) for name in names]
@@ -636,6 +646,12 @@ class Opened(InBrowser):
         self.assertLess(abs(again[-1] - values[-1]), 1e-6)
         self.assertTrue(self.browser.run("return document.getElementById('engine').open"))
         self.assertTrue(self.is_seen("detail"))
+        self.assertTrue(self.browser.run("""
+            const [list, row] = ['#contacts', '.row[aria-selected=true]'].map((name) =>
+              document.querySelector(name)?.getBoundingClientRect());
+            return row && row.top >= list.top && row.bottom <= list.bottom;"""))
+        self.assertGreater(self.browser.run(
+            "return document.getElementById('contacts').scrollTop"), 0)
         self.open(behind="#step=x&record=-3&t=7&up=q&order=q&pair=9,9&camera=1,,2,0,0,0")
         self.assertEqual((self.value("chosen"), self.value("pair")), (-1, ""))
         self.assertEqual(self.value("camera"), "")
@@ -843,7 +859,18 @@ class Objects(InBrowser):
         self.assertEqual(self.browser.run(title), sentence)  # which may be cut
         self.assertNotIn("recorded", self.text("chips"))  # it was computed
         self.assertTrue(self.facts("detail-facts")["drawn by"].startswith(
-            "pccdctl render FILES --steps 1 "))
+            f"pccdctl render {self.objects.files} --steps 1 "))
+        self.assertIn("1 of 1 step drawn", self.text("chips"))
+        # What the box of words says before any stands in it is not cut by the pairs.
+        self.assertTrue(self.browser.run("""
+            const find = document.getElementById('find');
+            const context = document.createElement('canvas').getContext('2d');
+            context.font = getComputedStyle(find).font;
+            const {width} = context.measureText(find.placeholder);
+            return width + 20 < find.clientWidth;"""))
+        self.set("find", "vertex 4 of peg")
+        self.assertIn("peg has 3 vertices", self.text("picked"))
+        self.set("find", "")
         both = self.objects.pairs
         for at, (pair, many) in enumerate(sorted(both.items()), 1):
             self.set("pair", f"0,{at}")
@@ -1023,8 +1050,12 @@ class LeftOut(InBrowser):
             self.text("whole"))
         self.assertNotIn("with the most", self.text("caption"))
         feature = first["first"]
-        for go in ("#whole button", "#go-earliest"):
+        for go, word in (("#whole button", "edge"), ("#go-earliest", "face")):
             self.browser.click(go)
+            self.set("find", word)  # one goes on, and it is not spoken of any more
+            self.assertFalse(self.is_seen("absent"))
+            self.browser.click(go)
+            self.assertEqual(self.value("find"), word)
             self.browser.frames()
             said = self.text("absent")
             self.assertIn("step 2 was left out: the page has one step in 2. Known of "
@@ -1239,7 +1270,7 @@ class Near(InBrowser):
         self.browser.click("#contact-rows .row")
         self.assertEqual(self.facts("detail-facts"), {
             "vertex": "vertex 0 of needle", "place": "(0.25, 0.25, 0.5)", "bound": "0.5",
-            "number": "1 in file order"})
+            "number": "record 1 of the file"})
         self.assertFalse(self.is_seen("kind-vv"))
         self.assertEqual(self.text("head-kind"), "")
 

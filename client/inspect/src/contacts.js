@@ -117,6 +117,7 @@ function makeList(data, state, fly) {
     return made;
   }
 
+  let isToReveal = false; // what is chosen: when the list has its height
   const draw = oncePerFrame(() => {
     const { index, picked, chosen } = state.values;
     const step = data.step(index);
@@ -127,9 +128,13 @@ function makeList(data, state, fly) {
     byId("head-kind").textContent = isOfBounds(step) ? "" : "kind";
     byId("head-measure").textContent = measureOf(step)?.name ?? "";
     const height = rowHeight();
+    rows.style.height = `${picked.length * height}px`;
+    if (isToReveal) {
+      reveal(picked.indexOf(chosen), height);
+      isToReveal = false;
+    }
     const first = Math.max(0, Math.floor(list.scrollTop / height) - SPARE);
     const end = Math.min(picked.length, Math.ceil((list.scrollTop + list.clientHeight) / height) + SPARE);
-    rows.style.height = `${picked.length * height}px`;
     rows.replaceChildren(...picked.slice(first, end).map((i, k) => row(step, i, first + k, height)));
     if (chosen >= 0) {
       list.setAttribute("aria-activedescendant", `contact-${chosen}`);
@@ -138,9 +143,7 @@ function makeList(data, state, fly) {
     }
   });
 
-  function reveal() {
-    const place = state.values.picked.indexOf(state.values.chosen);
-    const height = rowHeight();
+  function reveal(place, height) {
     if (place >= 0 && (place * height < list.scrollTop || (place + 1) * height > list.scrollTop + list.clientHeight)) {
       list.scrollTop = Math.max(0, place * height - list.clientHeight / 2);
     }
@@ -152,7 +155,7 @@ function makeList(data, state, fly) {
     }
   });
   state.on(["picked", "chosen", "theme"], () => {
-    reveal();
+    isToReveal = true;
     draw();
   });
   new ResizeObserver(draw).observe(list);
@@ -173,7 +176,9 @@ export function moveChoice(state, by) {
 function makeGoing(data, state, { fly, show }) {
   const earliest = firstStepOf(data);
   byId("go-earliest").addEventListener("click", async () => {
-    state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", pair: "", playing: false });
+    if (earliest.index !== undefined) { // else one stays here
+      state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", pair: "", playing: false });
+    }
     await show(earliest);
     if (state.values.index === earliest.index) { // nothing else was asked for meanwhile
       state.set({ chosen: firstOf(data.step(earliest.index)) });
@@ -232,7 +237,7 @@ function makeFilters(data, state) {
   });
   state.on(["index", "pair"], ({ index, pair }) => {
     const step = data.step(index);
-    const pairs = pairsOf(step).map(({ a, b, count: many }) => ({ value: `${a},${b}`, text: `${pairText(step, a, b)}: ${count(many)} in all` }));
+    const pairs = pairsOf(step).map(({ a, b, count: many }) => ({ value: `${a},${b}`, text: `${pairText(step, a, b)}: ${count(many)} in this ${step.near ? "question" : "step"}` }));
     if (pair !== "" && pairs.every(({ value }) => value !== pair)) { // none in this step
       const [a, b] = pair.split(",");
       if (step.objects[a] && step.objects[b]) {
@@ -278,8 +283,9 @@ export function makeContacts(data, state, does) {
     byId("order-box").hidden = measure === null || greatest === 0;
     byId("order").options[0].textContent = measure?.name ?? "time";
     const all = step.contacts.count;
-    const { unknown } = readWords(filters.find, step.objects);
+    const { unknown, missing } = readWords(filters.find, step.objects);
     const hint = unknown.length > 0 ? `: no object is called “${unknown[0]}”; find vertex 3, edge 4-7, face 12, t<0.5, a name`
+      : missing ? `: ${missing}`
       : picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
     byId("picked").textContent = step.answer.status !== "OK" ? "none: it was not answered" : `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
   });

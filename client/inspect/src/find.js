@@ -2,6 +2,7 @@
 
 import { FEATURES } from "./data.js";
 import { nameOfColour } from "./colours.js";
+import { plural } from "./dom.js";
 import { sideOf } from "./words.js";
 
 /** How many points a feature of that name has: "edge", "e"; -1: it is none. */
@@ -18,10 +19,12 @@ function isFeature(side, points, numbers) {
 /** What was typed, as tests of a record's side, or of its time; all must hold. "vertex 3" or "v3",
  * "face 12", "edge 4-7" (its vertices), "12" (any feature with that vertex), each also with the
  * object that it is of: "vertex 3 of cloth"; "t<0.5"; a part of an object's name, or its colour.
- * `unknown`: the words that are none of these. */
+ * `unknown`: the words that are none of these; `missing`: of a number that no feature has, how many
+ * there are. */
 export function readWords(text, objects) {
   const tests = [];
   const unknown = [];
+  let missing = "";
   const ofObject = (name) => {
     const named = objects.map((object, i) => object.name.toLowerCase().includes(name) || nameOfColour(i) === name);
     return named.includes(true) ? ({ object }) => named[object] : null;
@@ -59,6 +62,11 @@ export function readWords(text, objects) {
         numbers.push(Number(words.shift()));
       }
       const isOf = takeObject();
+      const among = objects.filter((_, object) => !isOf || isOf({ object }));
+      const most = Math.max(...among.map(({ mesh }) => (points === 3 ? mesh.triangles.length / 3 : mesh.vertexCount)));
+      if (numbers.some((number) => number >= most)) {
+        missing = `${among.length === 1 ? `${among[0].name} has` : "none has more than"} ${plural(most, ...(points === 3 ? ["face", "faces"] : ["vertex", "vertices"]))}`;
+      }
       tests.push({ side: (side) => isFeature(side, Math.max(points, 0), numbers) && (!isOf || isOf(side)) });
     } else if (!BETWEEN.includes(word)) {
       const isOf = ofObject(word);
@@ -69,7 +77,7 @@ export function readWords(text, objects) {
       }
     }
   }
-  return { tests, unknown };
+  return { tests, unknown, missing };
 }
 
 /** Places of the records that pass what was typed and the pair, in the order that is asked for.

@@ -277,12 +277,13 @@ async function start() {
   makeToggles(state, does);
   makeKeys(data, state, does);
   const follow = (values) => {
-    const { index, chosen = -1, camera, ...rest } = values;
+    const { index, chosen = -1, camera, absent = null, ...rest } = values;
     state.set(rest);
     state.set({ chosen: state.values.picked.includes(chosen) ? chosen : -1 });
     if (camera) {
       view?.lookFrom(camera);
     }
+    state.set({ absent });
   };
   follow(window.location.hash.length > 1 ? said : openingOf(data.step(busiest)));
   keepAddress(data, state, first);

@@ -54,7 +54,7 @@ export function makeHead({ meta, all }) {
   document.title = `${recording.name} · pccd inspect`;
   byId("name").textContent = recording.name;
   const chips = [
-    chip(`${count(steps.length)} of ${plural(recording.steps, ...stepNoun(all))}`,
+    chip(`${count(steps.length)} of ${plural(recording.steps, ...stepNoun(all))} drawn`,
       meta.is_full ? `The page was full: nothing is known here of what comes after step ${all.at(-1).number}. See --every, --steps and --max-size`
         : meta.every > 1 ? `One in ${meta.every} is drawn, as --every or --max-size ask; bars, the first and the most are of all ${count(all.length)} that were played`
           : "in this page, and recorded",
@@ -190,12 +190,13 @@ export function makeWhole({ meta, all }, show) {
     ...(meeting.length > 0 ? [", first in ", go(meeting[0])] : []),
     ...(most.answer.total > 0 ? [", most in ", go(most), ` (${count(most.answer.total)})`] : []),
     ...(crossed.length > 0 ? [`; ${plural(crossed.length, "step begins", "steps begin")} with an intersection, the first is `, go(crossed[0])] : []),
-    "; when this page was written, the slowest after the first was ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`,
+    ...(steps.length > 2 ? ["; when this page was written, the slowest after the first was ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`] : []),
   );
 }
 
 /** What is said in the place of a step that was asked for and is not drawn. */
 export function makeAbsent(data, state) {
+  state.on(["chosen", "find", "kinds", "order", "pair", "range"], () => state.set({ absent: null })); // one went on
   state.on(["absent"], ({ absent }) => {
     byId("absent").hidden = absent === null;
     if (absent !== null) {
@@ -240,7 +241,7 @@ function recordFacts(step, i, meta) {
     ...(normal.some((x) => x !== 0) ? [["normal", pointText(normal)]] : []),
     ...(measure && (step.near || apart > 0) ? [[isOfBounds(step) ? "bound" : "distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
-    ["number", `${i + 1} in file order`],
+    ["number", `${nounOf(step)[0] === "contact" ? "contact" : "record"} ${i + 1} of ${meta.recording.steps === 1 ? "the file" : `this ${step.near ? "question" : "step"}, in file order`}`],
     ...(measure?.name === "time" ? [["drawn by", renderText(step, i, meta)]] : []),
   ];
 }
@@ -257,7 +258,7 @@ export function recordText(step, i, meta) {
   const apart = apartOf(step, i) * meta.unit;
   const normal = normalOf(step, i);
   return JSON.stringify({
-    [near ? "question" : "step"]: number, record: i + 1,
+    file: meta.recording.name, [near ? "question" : "step"]: number, record: i + 1,
     ...(isOfBounds(step) ? side("a") : { kind: kind.id, ...(measure?.name === "time" ? { toi: contacts.toi[i] } : {}), a: side("a"), b: side("b") }),
     ...(measure ? { at: placeOf(step, i, meta, 17) } : {}),
     ...(normal.some((x) => x !== 0) ? { normal } : {}),
@@ -270,8 +271,8 @@ function drawnAs(step, i, name) {
   return { first: "feature-a", second: "feature-b", [apartOf(step, i) > 0 ? "distance" : "normal"]: "normal" }[name];
 }
 
-/** A point is drawn as the way that it goes. */
-const isWay = (step, i, name) => !step.near && ((name === "first" && sideOf(step, i, "a").points === 1)
+/** A point is drawn as the path that it takes. */
+const isPath = (step, i, name) => !step.near && ((name === "first" && sideOf(step, i, "a").points === 1)
   || (name === "second" && sideOf(step, i, "b").points === 1));
 
 /** The record that is chosen, with all that is known of it. */
@@ -294,7 +295,7 @@ export function makeDetail(data, state, does) {
         const drawn = drawnAs(step, chosen, name);
         dot.style.background = `var(--${drawn})`;
         return [element("dt", {}, name), element("dd", { title: text }, ...(drawn ? [dot] : []), text,
-          ...(isWay(step, chosen, name) ? [element("span", { className: "quiet" }, ", the line is its way")] : []))];
+          ...(isPath(step, chosen, name) ? [element("span", { className: "quiet" }, ", the line shows its path")] : []))];
       }));
     }
   });

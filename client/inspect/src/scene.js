@@ -87,10 +87,11 @@ export function makeScene(canvas, onMove) {
     flight = share < 1 ? flight : null;
   }
 
-  /** What the camera looks at, and where it is from there. */
+  /** What the camera looks at, and where it is from there: while it glides, at the glide's end. */
   function cameraText() {
-    const away = camera.position.clone().sub(controls.target);
-    return isFitted ? "" : [...controls.target.toArray(), ...away.toArray()].map((x) => Number(x.toPrecision(6))).join();
+    const target = flight?.toTarget ?? controls.target;
+    const away = (flight?.toAt ?? camera.position).clone().sub(target);
+    return isFitted ? "" : [...target.toArray(), ...away.toArray()].map((x) => Number(x.toPrecision(6))).join();
   }
 
   const draw = oncePerFrame(() => {

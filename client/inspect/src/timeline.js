@@ -25,6 +25,7 @@ export function makeTimeline(data, state, show) {
   const canvas = byId("timeline");
   const steps = data.all;
   const highest = Math.max(1, ...steps.map(({ answer }) => answer.times.step));
+  const found = steps.every(({ near, answer }) => !near && !["any", "pairs"].includes(answer.mode)) ? "contacts" : "all that was found";
   const most = Math.max(1, ...steps.map(({ answer }) => answer.total));
   let hover = -1;
 
@@ -79,7 +80,7 @@ export function makeTimeline(data, state, show) {
       drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`all that was found in each step, at most ${count(most)}`, width - 4, canvasText());
+    context.fillText(`${found} in each step, ${count(most)} at most`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });

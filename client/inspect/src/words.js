@@ -7,9 +7,13 @@ import { count, plural } from "./dom.js";
 export const INCOMPLETE = ["", "", "the deadline passed", "it was cancelled", "there are more than the daemon keeps",
   "some pairs of what turns are not known"];
 
-/** A number, to four significant digits: 0.0283, 7.492e-6. */
+/** A number, to four significant digits: 0.0283, 7.492e-6; below 1 to so many that it is not read as 1. */
 export function digits(value) {
-  const rounded = Number(value.toPrecision(4));
+  let known = 4;
+  while (value < 1 && Number(value.toPrecision(known)) === 1) {
+    known++;
+  }
+  const rounded = Number(value.toPrecision(known));
   return rounded !== 0 && Math.abs(rounded) < 1e-3 ? rounded.toExponential() : String(rounded);
 }
 
@@ -121,8 +125,9 @@ const quoted = (word) => (/^[\w./,-]+$/.test(word) ? word : `'${word.replaceAll(
 export const askedText = ({ asked }) => asked.map(quoted).join(" ");
 
 /** The file of a page in a command, with what was asked of it: else contacts have other numbers.
- * Files that were given are not known by their places. */
-const fileText = (meta) => [meta.is_of_files ? "FILES" : quoted(meta.recording.name), ...meta.asked.map(quoted)].join(" ");
+ * Of files that were given, only one that is a whole scene is known by its name. */
+const isOneScene = (name) => /\.(json|gltf|glb)$/.test(name) && !name.includes(" to ");
+const fileText = ({ recording: { name }, ...meta }) => [meta.is_of_files && !isOneScene(name) ? "FILES" : quoted(name), ...meta.asked.map(quoted)].join(" ");
 
 /** The command that draws a record of a step. */
 export const renderText = ({ number }, i, meta) =>
