@@ -318,6 +318,12 @@ class Opened(InBrowser):
                          sum(0.25 <= time <= 0.5 for time in times))
         self.browser.click("#range-clear")
         self.assertEqual(len(self.value("picked")), said["contacts"])
+        # The bars of all steps do not follow the pair, and say so.
+        bars = "return document.getElementById('timeline').toDataURL()"
+        before = self.browser.run(bars)
+        self.browser.run("pccd.state.set({pair: '0,0'})")
+        self.browser.frames()
+        self.assertNotEqual(self.browser.run(bars), before)
 
     # If it failed, a contact of the list could not be found in the view.
     def test_contact__is_flown_to_when_it_is_chosen(self):
@@ -865,9 +871,13 @@ class Objects(InBrowser):
         self.assertTrue(self.browser.run("""
             const find = document.getElementById('find');
             const context = document.createElement('canvas').getContext('2d');
-            context.font = getComputedStyle(find).font;
+            const {fontSize, fontFamily} = getComputedStyle(find);
+            context.font = `${fontSize} ${fontFamily}`;
             const {width} = context.measureText(find.placeholder);
-            return width + 20 < find.clientWidth;"""))
+            find.style.flexGrow = '0'; // as narrow as pairs can make it
+            const room = find.clientWidth - 34; // beside its rims and the cross
+            find.style.flexGrow = '';
+            return width > 60 && width <= room;"""))
         self.set("find", "vertex 4 of peg")
         self.assertIn("peg has 3 vertices", self.text("picked"))
         self.set("find", "")

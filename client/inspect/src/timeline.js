@@ -55,7 +55,7 @@ export function makeTimeline(data, state, show) {
     slider.style.marginLeft = `${(bar - THUMB) / 2}px`;
     slider.style.width = `${(steps.length - 1) * bar + THUMB}px`;
     const gap = bar > 4 ? Math.min(3, bar * 0.2) : 0;
-    const { engine } = state.values;
+    const { engine, pair } = state.values;
     const below = engine ? room / 2 : 0; // for the times, under what was found
     steps.forEach(({ answer }, i) => {
       const isShown = steps[i].index === state.values.index;
@@ -80,7 +80,7 @@ export function makeTimeline(data, state, show) {
       drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`${found} in each step, ${count(most)} at most`, width - 4, canvasText());
+    context.fillText(`${found}${pair === "" ? "" : " of all pairs"} in each step, ${count(most)} at most`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });
@@ -105,6 +105,6 @@ export function makeTimeline(data, state, show) {
     draw();
   });
   canvas.hidden = steps.length === 1;
-  state.on(["index", "theme", "engine"], draw);
+  state.on(["index", "theme", "engine", "pair"], draw);
   new ResizeObserver(draw).observe(canvas);
 }
