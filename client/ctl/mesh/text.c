@@ -200,7 +200,7 @@ const char *ctl_file_start(const struct ctl_file *file)
 {
     bool has_mark = file->offset == 0 && file->bytes >= 3 &&
                     memcmp(file->data, "\xef\xbb\xbf", 3) == 0;
-    return file->data + (has_mark ? 3 : 0);
+    return has_mark ? file->data + 3 : file->data; /* NULL: nothing was read */
 }
 
 void ctl_file_begin(struct ctl_file *file)
