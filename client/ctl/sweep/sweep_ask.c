@@ -359,7 +359,8 @@ static const struct pccd_near *least_of(const struct sweep *sweep,
     return least;
 }
 
-/* Ask how near any two shapes are at these values. */
+/* Ask how near any two shapes are at these values. Release the answer, also after an
+ * error. */
 static int ask_nearest(struct sweep *sweep, const double *values,
                        struct pccd_answer *answer)
 {
@@ -370,9 +371,16 @@ static int ask_nearest(struct sweep *sweep, const double *values,
     settings.at_begin = true;
     settings.threads = sweep->threads;
     int status = sweep_ask(sweep, values, values, 0, 1, &hit);
-    return status == PCCD_OK ? fail(sweep, pccd_ask_near(sweep->client, sweep->scene,
-                                                         NULL, 0, &settings, answer))
-                             : status;
+    if (status == PCCD_OK) {
+        status = fail(sweep, pccd_ask_near(sweep->client, sweep->scene, NULL, 0,
+                                           &settings, answer));
+    }
+    if (status == PCCD_OK && answer->count < answer->total) { /* a part tells no least */
+        status = ctl_error_set(sweep->error, PCCD_E_LIMIT,
+                               "%s: too many shapes to tell which are nearest",
+                               sweep->robot->path);
+    }
+    return status;
 }
 
 int sweep_meeting(struct sweep *sweep, const double *values, struct sweep_answer *answer)
@@ -381,6 +389,7 @@ int sweep_meeting(struct sweep *sweep, const double *values, struct sweep_answer
     struct sweep_hit hit = {.is_there = false};
     int status = ask_nearest(sweep, values, &near);
     if (status != PCCD_OK) {
+        pccd_answer_release(sweep->client, &near);
         return status;
     }
     const uint32_t *jam = answer->jams[0].shapes;

@@ -10,7 +10,6 @@
 
 #define DEGREES    (180 / ROBOT_PI)
 #define GAPS_SHOWN 8u
-#define NAME_BYTES 256u
 
 const char *sweep_verdict_name(enum sweep_verdict verdict)
 {
@@ -164,15 +163,6 @@ static void note_beyond(FILE *to, const struct robot *robot, uint32_t joint,
     }
 }
 
-/* Write the names of two parts as --allow takes them. */
-static void write_pair(const struct robot *robot, const struct robot_pair *pair,
-                       char to[2 * NAME_BYTES])
-{
-    snprintf(to, 2 * NAME_BYTES, "%.*s,%.*s", (int)NAME_BYTES - 1,
-             robot->parts[pair->parts[0]].name, (int)NAME_BYTES - 1,
-             robot->parts[pair->parts[1]].name);
-}
-
 /* Print what to do about parts that meet where the range begins. */
 static void print_meeting(FILE *to, const struct robot *robot,
                           const struct sweep_answer *answer)
@@ -187,9 +177,10 @@ static void print_meeting(FILE *to, const struct robot *robot,
                                       : "what touches by design");
     }
     for (size_t i = 0; i < answer->meeting_count; i++) {
-        char pair[2 * NAME_BYTES];
-        write_pair(robot, &answer->meeting[i], pair);
-        fprintf(to, " %s%s", robot->states != NULL ? "" : "--allow ", tool_shown(pair));
+        const uint32_t *parts = answer->meeting[i].parts;
+        fprintf(to, " %s%s,%s", robot->states != NULL ? "" : "--allow ",
+                tool_shown(robot->parts[parts[0]].name),
+                tool_shown(robot->parts[parts[1]].name));
     }
     fputs(answer->meeting_count > 0 ? "\n" : "", to);
 }
@@ -333,9 +324,13 @@ json_t *sweep_report_json(const struct sweep *sweep, const struct sweep_range *r
         json_append(jams, jam, &ok);
     }
     for (size_t i = 0; i < answer->meeting_count; i++) {
-        char pair[2 * NAME_BYTES];
-        write_pair(robot, &answer->meeting[i], pair);
-        json_append(meeting, json_text(pair), &ok);
+        const uint32_t *parts = answer->meeting[i].parts;
+        char *pair = NULL;
+        ok = asprintf(&pair, "%s,%s", robot->parts[parts[0]].name,
+                      robot->parts[parts[1]].name) >= 0 &&
+             ok;
+        json_append(meeting, ok ? json_text(pair) : NULL, &ok);
+        free(pair);
     }
     for (size_t i = 0; i < answer->gap_count; i++) {
         json_append(gaps, box_json(robot, range, &answer->gaps[i], &ok), &ok);
