@@ -152,22 +152,63 @@ struct is_matrix<Range, std::void_t<typename Range::Scalar, decltype(Range::IsRo
                                     decltype(Range::RowsAtCompileTime)>>
     : std::true_type {};
 
+// Whether a number of the type T lies in memory as one of the type Number does.
+template <class T, class Number> constexpr bool is_like()
+{
+    return std::is_arithmetic_v<T> && sizeof(T) == sizeof(Number) &&
+           std::is_floating_point_v<T> == std::is_floating_point_v<Number>;
+}
+
+// What becomes a number like Number, and nothing else.
+template <class Number> struct only {
+    template <class T, class = std::enable_if_t<is_like<T, Number>()>>
+    operator T() const noexcept;
+};
+// Whether braces around these make an Element, and so it has as many members, or more.
+template <class Element, class, class... Onlies> struct takes : std::false_type {};
+template <class Element, class... Onlies>
+struct takes<Element, std::void_t<decltype(Element{std::declval<Onlies>()...})>,
+             Onlies...> : std::true_type {};
+
+// The first number of a class that hides its members: void if it does not tell.
+template <class Element> auto first_of(const Element &e, int) -> decltype(e[0]);
+template <class Element> auto first_of(const Element &e, long) -> decltype(e.x);
+template <class Element> void first_of(const Element &e, ...);
+
+// Whether a class holds `Group` numbers like Number, as far as it tells: one of their
+// size may hold six floats in the place of three doubles, or integers.
+template <class Element, class Number, std::size_t Group> constexpr bool is_class_of()
+{
+    using one = only<Number>;
+    if constexpr (!std::is_aggregate_v<Element>) {
+        using first = std::decay_t<decltype(first_of(std::declval<const Element &>(), 0))>;
+        return !std::is_arithmetic_v<first> || is_like<first, Number>();
+    } else if constexpr (Group == 3) {
+        return takes<Element, void, one, one, one>() &&
+               !takes<Element, void, one, one, one, one>();
+    } else if constexpr (Group == 2) {
+        return takes<Element, void, one, one>() && !takes<Element, void, one, one, one>();
+    } else {
+        return takes<Element, void, one>() && !takes<Element, void, one, one>();
+    }
+}
+
 // Numbers of the type Number, `Group` of them together: a flat range of these, or one of
 // arrays or structs of `Group` each.
 template <class Element, class Number, std::size_t Group> constexpr bool is_group_of()
 {
     using plain = std::remove_all_extents_t<Element>;
     if constexpr (std::is_arithmetic_v<plain>) {
-        return std::is_floating_point_v<plain> == std::is_floating_point_v<Number> &&
-               sizeof(plain) == sizeof(Number) &&
-               (std::is_arithmetic_v<Element> ||
-                sizeof(Element) == Group * sizeof(Number));
+        return is_like<plain, Number>() && (std::is_arithmetic_v<Element> ||
+                                            sizeof(Element) == Group * sizeof(Number));
     } else if constexpr (is_matrix<Element>()) {
         return is_group_of<typename Element::Scalar, Number, Group>() &&
                sizeof(Element) == Group * sizeof(Number);
+    } else if constexpr (std::is_trivially_copyable_v<Element> &&
+                         sizeof(Element) == Group * sizeof(Number)) {
+        return is_class_of<Element, Number, Group>();
     } else {
-        return std::is_trivially_copyable_v<Element> &&
-               sizeof(Element) == Group * sizeof(Number);
+        return false;
     }
 }
 

@@ -249,6 +249,44 @@ static_assert(!pccd::detail::may_hold_groups<matrix<double, -1, -1, 0>, 3>() &&
               "what has the x of all vertices together is refused");
 static_assert(!pccd::detail::is_group_of<matrix<int, 3, 1, 0>, float, 3>(),
               "integers are no positions");
+// A vertex with its normal, which has the size of three doubles, and others of that kind.
+struct two_floats3 {
+    float x[3], normal[3];
+};
+struct ints3 {
+    int x, y, z;
+};
+struct coloured {
+    float x, y;
+    std::uint32_t colour;
+};
+struct named3 {
+    double x, y, z;
+};
+class hidden3 {
+public:
+    hidden3() : v_{} {}
+    float operator[](int i) const { return v_[i]; }
+
+private:
+    float v_[3];
+};
+template <class Element, class Number> constexpr bool is_triple()
+{
+    return pccd::detail::is_group_of<Element, Number, 3>();
+}
+static_assert(!is_triple<two_floats3, double>() && !is_triple<ints3, float>() &&
+                  !is_triple<coloured, float>() && !is_triple<hidden3, int>() &&
+                  !is_triple<std::array<int, 3>, float>() &&
+                  !is_triple<std::array<float, 6>, double>() &&
+                  !is_triple<std::array<float, 3>, std::uint32_t>(),
+              "what has the size alone of three numbers is refused");
+static_assert(is_triple<named3, double>() && is_triple<hidden3, float>() &&
+                  is_triple<float[3], float>() && is_triple<ints3, std::uint32_t>() &&
+                  is_triple<std::array<float, 3>, float>() &&
+                  pccd::detail::is_group_of<pccd_edge, std::uint32_t, 2>() &&
+                  pccd::detail::is_group_of<std::array<int, 1>, std::uint32_t, 1>(),
+              "three numbers are taken");
 
 // If one failed, the coordinates of a matrix would be mixed up without a word, and
 // contacts missed; or it would have to be copied first.
