@@ -155,9 +155,12 @@ class Browser:
     def click(self, selector):
         self._ask("POST", f"{self.session}/element/{self._element(selector)}/click", {})
 
-    def press(self, *keys):
-        actions = [{"type": kind, "value": key} for key in keys
-                   for kind in ("keyDown", "keyUp")]
+    def press(self, *keys, held=()):
+        """One after the other, while others are held."""
+        actions = [*({"type": "keyDown", "value": key} for key in held),
+                   *({"type": kind, "value": key} for key in keys
+                     for kind in ("keyDown", "keyUp")),
+                   *({"type": "keyUp", "value": key} for key in held)]
         self._ask("POST", self.session + "/actions",
                   {"actions": [{"type": "key", "id": "keys", "actions": actions}]})
 

@@ -172,3 +172,42 @@ class ObjectsScene:
                 self.pairs[pair] = self.pairs.get(pair, 0) + 1
         pccdctl("inspect", self.files, "-o", "objects.html", folder=folder)
         self.page = os.path.join(folder, "objects.html")
+
+
+class FallScene:
+    """A sheet that falls through a peg, a post and a hoop in five steps, as a page and as
+    one with each other step; `counts`: contacts that check found, by step and pair."""
+
+    def __init__(self, folder):
+        for i in range(6):
+            z = 4 - i
+            _write(folder, f"fall{i}.obj", [(-9, -9, z), (9, -9, z), (0, 9, z)])
+        standing = {"peg": (0, 1.4, 2.6), "post": (2, .2, .7), "hoop": (-2, 3.2, 3.7)}
+        for name, (x, low, high) in standing.items():
+            _write(folder, f"{name}.obj", [(x, 0, low), (x + .5, 0, low), (x, .5, high)])
+        # The hoop is at both ends of the fall.
+        with open(os.path.join(folder, "hoop.obj"), "a") as to:
+            to.write("v -2 0 -.8\nv -1.5 0 -.8\nv -2 .5 -.3\nf 4 5 6\n")
+        with open(os.path.join(folder, "fall.json"), "w") as to:
+            json.dump({"pccd_scene": 1, "objects": [
+                {"name": name, "files": f"{files}.obj"} for name, files in
+                (("sheet", "fall%d"), ("peg", "peg"), ("post", "post"),
+                 ("hoop", "hoop"))]}, to)
+        pccdctl("check", "--repeat", "0", "--contacts", "fall.csv", "fall.json",
+                folder=folder)
+        self.pairs = {f"0,{i}": ("sheet", name) for i, name in enumerate(standing, 1)}
+        self.counts = {}
+        with open(os.path.join(folder, "fall.csv"), newline="") as rows:
+            for row in csv.DictReader(rows):
+                pair = next(key for key, names in self.pairs.items()
+                            if set(names) == {row["object_a"], row["object_b"]})
+                key = int(row["step"]), pair
+                self.counts[key] = self.counts.get(key, 0) + 1
+        pccdctl("inspect", "fall.json", folder=folder)
+        pccdctl("inspect", "fall.json", "-o", "fall2.html", "--every", "2", folder=folder)
+
+
+def _write(folder, name, corners):
+    with open(os.path.join(folder, name), "w") as to:
+        to.writelines("v %g %g %g\n" % corner for corner in corners)
+        to.write("f 1 2 3\n")

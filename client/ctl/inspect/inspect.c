@@ -12,7 +12,7 @@
 #include "recorded_state.h"
 #include "report.h"
 
-#define FORMAT 6 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 7 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
@@ -203,6 +203,7 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set(object, "separation", json_real(step->frame->separation), &ok);
     set(object, "approach", json_real(step->frame->approach), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);
+    set(object, "pairs", inspect_pack_pairs(inspect, step), &ok);
     set(object, "boxes", inspect_pack_boxes(inspect, step), &ok);
     set(object, "events", inspect_pack_events(inspect, step->trace), &ok);
     if (!ok || inspect->data.is_short) {
@@ -272,6 +273,7 @@ static int leave_out(struct inspect *inspect, const struct play_step *step,
     }
     set(object, "answer", answer, &ok);
     set(object, "first_pair", inspect_first_pair(step), &ok);
+    set(object, "pairs", inspect_pack_pairs(inspect, step), &ok);
     if (!ok) {
         json_decref(object);
         return no_memory(error);
@@ -317,6 +319,7 @@ static json_t *describe_near(struct inspect *inspect, const struct play_step *ne
     set(object, "contacts",
         json_pack("{s:o, s:i}", "at", inspect_section(inspect, 0), "count", 0), &ok);
     set(object, "lines", inspect_pack_lines(inspect, near), &ok);
+    set(object, "pairs", inspect_pack_pairs(inspect, near), &ok);
     set(object, "asked",
         json_pack("{s:o, s:b}", "distance",
                   near->asked->distance <= 1e18 ? json_real(near->asked->distance)

@@ -95,6 +95,7 @@ struct inspect {
     json_t *steps, *meshes; /* ours: arrays */
     json_t *left_out;       /* ours: what is told of steps that --every leaves out */
     uint64_t meta_bytes;    /* of these, in the file */
+    uint64_t pairs_bytes;   /* of them, counts of pairs of objects */
     uint64_t first, last;   /* steps in the file; 0: none */
     uint64_t seen, kept;
     uint64_t differ;   /* answers other than the recorded ones */
@@ -121,9 +122,9 @@ struct inspect {
 
 /* Ends of a step at which inspect_pack_objects packs objects. */
 enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
-/* Return [{"handle", "name", "mesh", "x0", "x1", "radius", "joint"}] of a scene; x0 and
- * x1 are at both ends of its step, or both at one of them; "name" is null of what has
- * none, "joint" of what goes straight.
+/* Return [{"handle", "number", "name", "mesh", "x0", "x1", "radius", "joint"}] of a
+ * scene; x0 and x1 are at both ends of its step, or both at one of them; "name" is null
+ * of what has none, "joint" of what goes straight.
  * `meshes` gets those that are not in the file yet. Edges of the scene's meshes are
  * known. */
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
@@ -134,6 +135,9 @@ json_t *inspect_pack_joints(struct inspect *inspect,
 /* Return {"at", "count"} of the contacts, or of the pairs of mode pairs, as contacts at
  * t = 0. */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
+/* Return [a, b, count, ..]: how many records each two objects have, by their "number".
+ * null: that is not known, or the page has no room for it. */
+json_t *inspect_pack_pairs(struct inspect *inspect, const struct play_step *step);
 /* Return "vertex 17 of ball meets face 3 of cloth", of the contact of a step that comes
  * first; null: it has none. */
 json_t *inspect_first_pair(const struct play_step *step);

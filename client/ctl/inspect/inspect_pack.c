@@ -23,6 +23,8 @@ struct inspect_mesh {
 /* Place where an object was last, so that what stands still is written once. */
 struct inspect_place {
     uint32_t scene, object;
+    uint32_t number;  /* in the page: objects of several scenes share it by name */
+    uint64_t name[2]; /* XXH3-128 of its name; 0: it has none */
     uint64_t hash[2]; /* XXH3-128 of the section */
     uint32_t blob;
     size_t offset;
@@ -100,6 +102,8 @@ void bytes_deinit(struct bytes *bytes)
 
 #define LEVELS        65535.0 /* of a rounded coordinate */
 #define CONTACT_BYTES 35u
+
+#define PAIRS_PART 16u /* of the page may be counts of pairs; more are left out */
 
 /* Bytes of texts that are cut to fit. */
 #define OWNER_BYTES      128u
@@ -281,20 +285,53 @@ static bool pack_rounded(struct inspect *inspect, const double (*x)[3], uint32_t
     return true;
 }
 
-static struct inspect_place *find_place(struct inspect *inspect, uint32_t scene,
-                                        uint32_t object)
+static bool has_number(const struct inspect *inspect, uint32_t scene, uint32_t number)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < inspect->place_count && !has; i++) {
+        has = inspect->places[i].scene == scene && inspect->places[i].number == number;
+    }
+    return has;
+}
+
+/* Give a place the number of what has its name in an earlier scene, if there is any. */
+static void share_number(const struct inspect *inspect, struct inspect_place *place)
 {
     for (uint32_t i = 0; i < inspect->place_count; i++) {
-        if (inspect->places[i].scene == scene && inspect->places[i].object == object) {
-            return &inspect->places[i];
+        const struct inspect_place *other = &inspect->places[i];
+        if (other->scene != place->scene &&
+            memcmp(other->name, place->name, sizeof place->name) == 0 &&
+            !has_number(inspect, place->scene, other->number)) {
+            place->number = other->number;
+            return;
         }
     }
-    if (!array_reserve((void **)&inspect->places, inspect->place_count,
-                       &inspect->place_room, sizeof *inspect->places)) {
+}
+
+/* The place of item `i` in the list of a scene; NULL without memory. */
+static struct inspect_place *find_place(struct inspect *inspect,
+                                        const struct registry_scene *scene, uint32_t i)
+{
+    const struct registry_object *object = &scene->objects[i];
+    const uint32_t count = inspect->place_count;
+    for (uint32_t tried = 0; tried < count; tried++) {
+        struct inspect_place *place = &inspect->places[(i + tried) % count];
+        if (place->scene == scene->handle && place->object == object->handle) {
+            return place;
+        }
+    }
+    if (!array_reserve((void **)&inspect->places, count, &inspect->place_room,
+                       sizeof *inspect->places)) {
         return NULL;
     }
+    struct inspect_place made = {
+        .scene = scene->handle, .object = object->handle, .number = count};
+    if (object->name != NULL) {
+        hash_of(object->name, strlen(object->name), made.name);
+        share_number(inspect, &made);
+    }
     struct inspect_place *place = &inspect->places[inspect->place_count++];
-    *place = (struct inspect_place){.scene = scene, .object = object};
+    *place = made;
     return place;
 }
 
@@ -327,7 +364,7 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
         const struct registry_object *object = &scene->objects[i];
         uint32_t count = object->mesh->vertex_count;
         int64_t mesh = find_mesh(inspect, object->mesh, meshes);
-        struct inspect_place *place = find_place(inspect, scene->handle, object->handle);
+        struct inspect_place *place = find_place(inspect, scene, i);
         if (mesh < 0 || place == NULL) {
             json_decref(objects);
             return NULL;
@@ -338,8 +375,9 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
         json_t *x1 = pack_positions(inspect, place, (const double(*)[3])end, count);
         bool turns = moment == INSPECT_BOTH && object->turned;
         json_t *item = json_pack(
-            "{s:I, s:o, s:I, s:o, s:o, s:f, s:o}", "handle", (json_int_t)object->handle,
-            "name", object->name != NULL ? json_text(object->name) : json_null(), "mesh",
+            "{s:I, s:I, s:o, s:I, s:o, s:o, s:f, s:o}", "handle",
+            (json_int_t)object->handle, "number", (json_int_t)place->number, "name",
+            object->name != NULL ? json_text(object->name) : json_null(), "mesh",
             (json_int_t)mesh, "x0", x0, "x1", x1, "radius", object->attributes.radius,
             "joint", turns ? json_integer(object->joint) : json_null());
         if (json_array_append_new(objects, item) != 0) {
@@ -448,6 +486,91 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
         }
     }
     return counted(inspect, offset, packed);
+}
+
+struct pair_count {
+    uint64_t key; /* both objects' numbers in the page, the lower one in the upper half */
+    uint64_t count;
+};
+
+static int compare_keys(const void *a, const void *b)
+{
+    const struct pair_count *left = a, *right = b;
+    return left->key < right->key ? -1 : left->key > right->key;
+}
+
+/* Return the key of two items in the list of a scene; 0, the first object and itself,
+ * without memory, which *ok says. */
+static uint64_t key_of(struct inspect *inspect, const struct registry_scene *scene,
+                       uint32_t a, uint32_t b, bool *ok)
+{
+    const struct inspect_place *place = find_place(inspect, scene, a);
+    const uint64_t first = place != NULL ? place->number : 0;
+    const struct inspect_place *other = find_place(inspect, scene, b);
+    const uint64_t second = other != NULL ? other->number : 0;
+    *ok = *ok && place != NULL && other != NULL;
+    return first < second ? first << 32 | second : second << 32 | first;
+}
+
+/* Sort counts, and make one of those of each pair. Returns how many are left. */
+static size_t join_counts(struct pair_count *counts, size_t count)
+{
+    size_t kept = 0;
+    qsort(counts, count, sizeof *counts, compare_keys);
+    for (size_t i = 0; i < count; i++) {
+        if (kept > 0 && counts[kept - 1].key == counts[i].key) {
+            counts[kept - 1].count += counts[i].count;
+        } else {
+            counts[kept++] = counts[i];
+        }
+    }
+    return kept;
+}
+
+json_t *inspect_pack_pairs(struct inspect *inspect, const struct play_step *step)
+{
+    struct pair_count *counts = NULL;
+    size_t count = 0, room = 0;
+    uint16_t a = 0, b = 0;
+    uint32_t both = 0; /* places of the last record's objects */
+    bool ok = true;
+    if (step->contacts == NULL && step->pairs == NULL && step->nears == NULL) {
+        return step->answer->total == 0 ? json_array() : json_null();
+    }
+    for (uint64_t i = 0; i < step->found.count && ok; i++) {
+        const struct pccd_near *near = step->nears != NULL ? &step->nears[i] : NULL;
+        const struct pccd_contact record =
+            near != NULL ? (struct pccd_contact){.object_a = near->object_a,
+                                                 .object_b = near->object_b}
+                         : contact_of(step, i);
+        if (!makes_sense(step->scene, &record, &a, &b)) {
+            continue;
+        }
+        if (count == 0 || both != ((uint32_t)a << 16 | b)) {
+            both = (uint32_t)a << 16 | b;
+            ok = array_reserve((void **)&counts, count, &room, sizeof *counts);
+            if (ok) {
+                const uint64_t key = key_of(inspect, step->scene, a, b, &ok);
+                counts[count++] = (struct pair_count){.key = key};
+            }
+        }
+        counts[count - 1].count += ok;
+    }
+    json_t *packed = ok ? json_array() : NULL;
+    count = count > 0 ? join_counts(counts, count) : 0;
+    for (size_t i = 0; i < count && ok; i++) {
+        json_append(packed, json_integer((json_int_t)(counts[i].key >> 32)), &ok);
+        json_append(packed, json_integer((json_int_t)(counts[i].key & UINT32_MAX)), &ok);
+        json_append(packed, json_integer((json_int_t)counts[i].count), &ok);
+    }
+    free(counts);
+    const uint64_t bytes = ok ? page_file_json_bytes(packed) : 0;
+    if (ok && inspect->pairs_bytes + bytes <= inspect->settings.bytes_max / PAIRS_PART) {
+        inspect->pairs_bytes += bytes;
+        return packed;
+    }
+    json_decref(packed);
+    return ok ? json_null() : NULL;
 }
 
 json_t *inspect_first_pair(const struct play_step *step)

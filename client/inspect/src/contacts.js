@@ -4,10 +4,12 @@ import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js"
 import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
 import { findContacts, readWords } from "./find.js";
-import { digits, featureText, firstOf, firstStepOf, flagText, isOfBounds, measureOf, nounOf, pairText, pairsOf, sideOf } from "./words.js";
+import { countsOf, isOfPair, namesOf, pairName, stepsOfPairs } from "./pairs.js";
+import { digits, featureText, firstOf, flagText, isOfBounds, measureOf, nounOf, pairsOf, sideOf } from "./words.js";
 
 const BINS = 60;
 const SPARE = 6; // rows beyond what is seen
+const PAIRS_OFFERED = 200; // of a step; and of those that meet in other steps alone
 
 /** How many of what is found have each kind in each part of the time. */
 function histogramOf({ toi, kind }, { found, kinds }) {
@@ -172,40 +174,63 @@ export function moveChoice(state, by) {
 }
 
 /** First, previous, next; and which one of how many that is, in the order of the list. With several
- * steps also the first contact of all. */
-function makeGoing(data, state, { fly, show }) {
-  const earliest = firstStepOf(data);
-  byId("go-earliest").addEventListener("click", async () => {
+ * steps also the first contact of all; behind the list's end the next step that has any goes on. */
+function makeGoing(data, state, { fly, goTo, show }) {
+  const { all, meta: { steps } } = data;
+  const earliestOf = ({ pair }) => all.find((step) => !step.near && step.answer.toi_first !== null && countsOf(data, pair).get(step) > 0);
+  /** The next step, or the one before, that has any; -1: none has. */
+  const beyond = ({ index, pair }, by) => {
+    let at = index + by;
+    while (steps[at] && countsOf(data, pair).get(steps[at]) === 0) {
+      at += by;
+    }
+    return steps[at] ? at : -1;
+  };
+  const goEarliest = async () => {
+    const earliest = earliestOf(state.values);
     if (earliest.index !== undefined) { // else one stays here
-      state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", pair: "", playing: false });
+      state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", playing: false });
     }
     await show(earliest);
     if (state.values.index === earliest.index) { // nothing else was asked for meanwhile
-      state.set({ chosen: firstOf(data.step(earliest.index)) });
+      const step = data.step(earliest.index);
+      state.set({ chosen: firstOf(step, isOfPair(step, state.values.pair)) });
       fly(state.values.chosen);
     }
-  });
+  };
+  byId("go-earliest").addEventListener("click", goEarliest);
   const goes = { "go-first": -Infinity, "go-previous": -1, "go-next": 1 };
   for (const [id, by] of Object.entries(goes)) {
-    byId(id).addEventListener("click", () => {
+    byId(id).addEventListener("click", async () => {
+      const { picked, chosen } = state.values;
+      const isBeyond = Math.abs(by) === 1 && (picked.length === 0 || (chosen >= 0 && chosen === picked.at(by < 0 ? 0 : -1)));
+      const to = isBeyond ? beyond(state.values, by) : -1;
+      if (to >= 0) {
+        await goTo(to, { chosen: -1, playing: false });
+      }
       moveChoice(state, by);
       fly(state.values.chosen);
     });
   }
-  state.on(["picked", "chosen"], ({ index, picked, chosen, order }) => {
+  state.on(["picked", "chosen"], ({ index, pair, picked, chosen, order }) => {
     const focused = document.activeElement;
     const place = picked.indexOf(chosen);
-    const measure = measureOf(data.step(index));
+    const step = data.step(index);
+    const measure = measureOf(step);
+    const earliest = earliestOf({ pair });
     const isAlone = picked.length === 0 || (picked.length === 1 && place === 0);
-    byId("go-earliest").hidden = !earliest || data.all.length === 1;
-    byId("go-earliest").disabled = index === earliest?.index && chosen >= 0 && chosen === firstOf(data.step(index));
-    byId("goes").hidden = isAlone && byId("go-earliest").hidden;
-    for (const id of Object.keys(goes)) {
-      byId(id).hidden = isAlone;
-    }
+    const [before, behind] = [-1, 1].map((by) => beyond({ index, pair }, by));
+    byId("go-earliest").hidden = !earliest || all.length === 1;
+    byId("go-earliest").disabled = index === earliest?.index && chosen >= 0 && chosen === firstOf(step, isOfPair(step, pair));
+    byId("go-first").hidden = isAlone;
+    byId("go-previous").hidden = isAlone && before < 0 && behind < 0;
+    byId("go-next").hidden = byId("go-previous").hidden;
+    byId("goes").hidden = byId("go-next").hidden && byId("go-earliest").hidden;
     byId("go-first").disabled = place === 0;
-    byId("go-previous").disabled = place <= 0;
-    byId("go-next").disabled = place === picked.length - 1;
+    byId("go-previous").disabled = place <= 0 && before < 0;
+    byId("go-next").disabled = place === picked.length - 1 && behind < 0;
+    byId("go-previous").title = place > 0 || before < 0 ? "The one before (↑, enter)" : `The last of step ${steps[before].number}`;
+    byId("go-next").title = place < picked.length - 1 || behind < 0 ? "The next one (↓, enter)" : `The first of step ${steps[behind].number}`;
     if (focused?.disabled) { // it would be lost
       byId("contacts").focus();
     }
@@ -235,22 +260,27 @@ function makeFilters(data, state) {
       button.setAttribute("aria-pressed", String(kinds[kind]));
     });
   });
+  const names = namesOf(data);
+  const others = stepsOfPairs(data);
   state.on(["index", "pair"], ({ index, pair }) => {
     const step = data.step(index);
-    const pairs = pairsOf(step).map(({ a, b, count: many }) => ({ value: `${a},${b}`, text: `${pairText(step, a, b)}: ${count(many)} in this ${step.near ? "question" : "step"}` }));
-    if (pair !== "" && pairs.every(({ value }) => value !== pair)) { // none in this step
-      const [a, b] = pair.split(",");
-      if (step.objects[a] && step.objects[b]) {
-        pairs.push({ value: pair, text: `${pairText(step, a, b)}: none` });
-      } else {
-        state.set({ pair: "" });
-      }
+    if (pair !== "" && pair.split(",").some((number) => !names.has(Number(number)))) {
+      state.set({ pair: "" });
+      return;
     }
+    const here = new Map(pairsOf(step).map((its) => [its.pair, its.count]));
+    const away = [...others.keys()].filter((its) => !here.has(its));
+    const offered = [...here.keys()].slice(0, PAIRS_OFFERED).concat(away.slice(0, PAIRS_OFFERED));
+    const left = here.size + away.length - offered.length;
+    const noun = step.near ? "question" : "step";
+    const options = [...offered, ...(pair === "" || offered.includes(pair) ? [] : [pair])].map((its) =>
+      [its, here.has(its) ? `${count(here.get(its))} in this ${noun}` : `none in this ${noun}, some in ${count(others.get(its) ?? 0)} of all`]);
     select.replaceChildren(element("option", { value: "" }, isOfBounds(step) ? "all objects" : "all pairs of objects"),
-      ...pairs.map(({ value, text }) => element("option", { value }, text)));
-    select.value = state.values.pair;
+      ...options.map(([value, text]) => element("option", { value }, `${pairName(names, value, step)}: ${text}`)),
+      ...(left > 0 ? [element("option", { disabled: true }, `${count(left)} more pairs: find one by its two names`)] : []));
+    select.value = pair;
     select.title = select.selectedOptions[0].text;
-    select.hidden = pairs.length < 2 && state.values.pair === "";
+    select.hidden = options.length < 2 && pair === "";
   });
   state.on(["find"], ({ find: text }) => {
     if (find.value !== text) {

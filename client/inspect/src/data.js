@@ -6,7 +6,7 @@
 import { byId } from "./dom.js";
 import { makePose, readJoints } from "./joints.js";
 
-const FORMAT = 6;
+const FORMAT = 7;
 const KIND_SHIFT = 6; // of a contact's kind, over its flags
 export const INITIAL = 2;
 export const INSIDE = 4;
@@ -329,6 +329,7 @@ export function readData() {
       const read = (at) => readPositions(section, at, mesh.vertexCount, meta.is_rounded);
       return {
         handle: object.handle,
+        number: object.number, // the same in all steps
         name: object.name ?? `object ${place}`,
         radius: object.radius / meta.unit,
         mesh,
@@ -358,8 +359,9 @@ export function readData() {
   const steps = new Map(); // that were loaded last, the oldest first
   return {
     meta,
-    /** What is told of every step that was played, in order; those whose drawing was left out have
-     * no `index`, and first_pair in the place of contacts. */
+    /** What is told of every step that was played, in order, with its records counted by pairs of objects, [a, b,
+     * count, ..]; those whose drawing was left out have no `index`, and first_pair in the place of
+     * contacts. */
     all,
     /** Make a step ready to be asked for. */
     async load(index) {

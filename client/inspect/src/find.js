@@ -3,6 +3,7 @@
 import { FEATURES } from "./data.js";
 import { nameOfColour } from "./colours.js";
 import { plural } from "./dom.js";
+import { isOfPair } from "./pairs.js";
 import { sideOf } from "./words.js";
 
 /** How many points a feature of that name has: "edge", "e"; -1: it is none. */
@@ -81,20 +82,18 @@ export function readWords(text, objects) {
 }
 
 /** Places of the records that pass what was typed and the pair, in the order that is asked for.
- * `pair`: "" or the two objects. None passes where a word was not understood. */
+ * `pair`: as of pairs.js. None passes where a word was not understood. */
 export function findContacts(step, { order, find, pair }) {
   const { contacts } = step;
   const { tests, unknown } = readWords(find, step.objects);
-  const [one, other] = pair === "" ? [] : pair.split(",").map(Number);
+  const isWanted = isOfPair(step, pair);
   const found = [];
   if (unknown.length > 0) {
     return found;
   }
   for (let i = 0; i < contacts.count; i++) {
     const toi = contacts.toi[i];
-    const [a, b] = [contacts.objectA[i], contacts.objectB[i]];
-    const isPair = pair === "" || (a === one && b === other) || (a === other && b === one);
-    if (isPair) {
+    if (isWanted(i)) {
       const sides = tests.length > 0 ? ["a", "b"].map((side) => sideOf(step, i, side)) : [];
       if (tests.every(({ time, side }) => (time ? time(toi) : sides.some(side)))) {
         found.push(i);

@@ -28,7 +28,7 @@ export function makeKeys(data, state, does) {
     " ": () => state.set({ playing: !state.values.playing }),
     ArrowLeft: (event) => (event.shiftKey ? move(-TIME_STEP) : does.goTo(state.values.index - 1)),
     ArrowRight: (event) => (event.shiftKey ? move(TIME_STEP) : does.goTo(state.values.index + 1)),
-    Home: () => does.goTo(0),
+    Home: (event) => (!event.shiftKey ? does.goTo(0) : byId("go-earliest").checkVisibility() && byId("go-earliest").click()),
     End: () => does.goTo(Infinity),
     ArrowUp: () => moveChoice(state, -1),
     ArrowDown: () => moveChoice(state, 1),

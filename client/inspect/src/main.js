@@ -265,7 +265,7 @@ async function start() {
   }
   makeHierarchy(data, state, view);
   makeAnswer(data, state);
-  makeWhole(data, does.show);
+  makeWhole(data, state, does.show);
   makeAbsent(data, state);
   makeDetail(data, state, does);
   makeObjectList(data, state);

@@ -2,6 +2,8 @@
 
 import { PHASES } from "./colours.js";
 import { byId, canvasText, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
+import { countsOf, namesOf, pairName } from "./pairs.js";
+import { shortName } from "./words.js";
 
 const top = () => canvasText() + 5; // above the bars, for words
 const BAR_MAX = 128;
@@ -26,7 +28,7 @@ export function makeTimeline(data, state, show) {
   const steps = data.all;
   const highest = Math.max(1, ...steps.map(({ answer }) => answer.times.step));
   const found = steps.every(({ near, answer }) => !near && !["any", "pairs"].includes(answer.mode)) ? "contacts" : "all that was found";
-  const most = Math.max(1, ...steps.map(({ answer }) => answer.total));
+  const names = new Map([...namesOf(data)].map(([number, name]) => [number, shortName(name)]));
   let hover = -1;
 
   const widthOf = (width) => Math.min(BAR_MAX, width / steps.length);
@@ -56,6 +58,8 @@ export function makeTimeline(data, state, show) {
     slider.style.width = `${(steps.length - 1) * bar + THUMB}px`;
     const gap = bar > 4 ? Math.min(3, bar * 0.2) : 0;
     const { engine, pair } = state.values;
+    const counts = countsOf(data, pair);
+    const most = Math.max(1, ...[...counts.values()].filter(Boolean));
     const below = engine ? room / 2 : 0; // for the times, under what was found
     steps.forEach(({ answer }, i) => {
       const isShown = steps[i].index === state.values.index;
@@ -73,14 +77,15 @@ export function makeTimeline(data, state, show) {
         partsOf(answer).forEach(([name, ns]) => put(name, (ns / highest) * below));
       }
       bottom = height - below;
-      put("contacts", answer.total > 0 ? Math.max((answer.total / most) * (room - below), 1.5) : 0);
+      const many = counts.get(steps[i]);
+      put(many === undefined ? "other" : "contacts", many === 0 ? 0 : Math.max(((many ?? 0) / most) * (room - below), 1.5));
     });
     context.textAlign = "right";
     if (engine) {
       drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`${found}${pair === "" ? "" : " of all pairs"} in each step, ${count(most)} at most`, width - 4, canvasText());
+    context.fillText(`${found}${pair === "" ? "" : ` of ${pairName(names, pair)}`} in each step, ${count(most)} at most`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });
@@ -88,7 +93,9 @@ export function makeTimeline(data, state, show) {
   canvas.addEventListener("pointermove", (event) => {
     hover = indexAt(event);
     const { number, answer, index } = steps[hover];
-    showTip(event, `step ${number}: ${count(answer.total)} found${index === undefined ? ", not drawn" : ""}`, state.values.engine
+    const { pair } = state.values;
+    const many = countsOf(data, pair).get(steps[hover]);
+    showTip(event, `step ${number}: ${many === undefined ? "not known how many" : count(many)} ${pair === "" ? "found" : `of ${pairName(names, pair)}`}${index === undefined ? ", not drawn" : ""}`, state.values.engine
       ? [`in ${duration(answer.times.step)}`, ...partsOf(answer).map(([name, ns]) => `${name}  ${duration(ns)}`)] : []);
     if (event.buttons & 1) {
       show(steps[hover]);

@@ -52,13 +52,14 @@ export function measureOf({ contacts, near, answer }) {
     : answer.mode === "pairs" ? null : { name: "time", of: (i) => contacts.toi[i] };
 }
 
-/** Each two objects that records name, with how many: [{key, a, b, count}], most first. */
+/** Each two objects that records name, with how many: [{pair, a, b, count}], most first; `pair` as of
+ * pairs.js. */
 export function pairsOf({ contacts, objects }) {
   const pairs = new Map();
   for (let i = 0; i < contacts.count; i++) {
-    const [a, b] = [contacts.objectA[i], contacts.objectB[i]].sort((one, other) => one - other);
+    const [a, b] = [contacts.objectA[i], contacts.objectB[i]].sort((one, other) => objects[one].number - objects[other].number);
     const key = a * objects.length + b;
-    const pair = pairs.get(key) ?? { key, a, b, count: 0 };
+    const pair = pairs.get(key) ?? { pair: `${objects[a].number},${objects[b].number}`, key, a, b, count: 0 };
     pair.count++;
     pairs.set(key, pair);
   }
@@ -68,13 +69,14 @@ export function pairsOf({ contacts, objects }) {
 const NAME_MAX = 32; // letters of an object's name in a sentence that is to be short
 const PAIRS_NAMED = 3; // in a sentence; of more it says how many there are
 
-const shortName = (name) => (name.length > NAME_MAX
+/** With its middle left out, if it is long. */
+export const shortName = (name) => (name.length > NAME_MAX
   ? `${name.slice(0, NAME_MAX / 2)}…${name.slice(1 - NAME_MAX / 2)}` : name);
 
 /** " between cloth and ball", of all records of a step; "" where there is one object. `isShort`: long
  * names are cut in their middle. */
 function whereText(whole, isShort) {
-  const step = isShort ? { ...whole, objects: whole.objects.map(({ name }) => ({ name: shortName(name) })) } : whole;
+  const step = isShort ? { ...whole, objects: whole.objects.map(({ name, number }) => ({ name: shortName(name), number })) } : whole;
   const pairs = pairsOf(step);
   return step.objects.length < 2 || pairs.length === 0 ? ""
     : pairs.length <= PAIRS_NAMED ? ` between ${pairs.map(({ a, b }) => pairText(step, a, b)).join(", and between ")}`
@@ -109,15 +111,12 @@ export const headOf = ({ near, answer }) => (!near ? (answer.mode === "pairs" ? 
   crossings: "Edges through faces", depth: "Vertices inside",
 }[near] ?? "Records");
 
-/** The record with the least time, or distance; -1: none has one. */
-export function firstOf(step) {
+/** The record with the least time, or distance, of those that `is` tells; -1: none has one. */
+export function firstOf(step, is = () => true) {
   const { toi } = step.contacts;
   return measureOf(step) === null ? -1
-    : toi.reduce((first, its, i) => (first < 0 || its < toi[first] ? i : first), -1);
+    : toi.reduce((first, its, i) => ((first < 0 || its < toi[first]) && is(i) ? i : first), -1);
 }
-
-/** Of all steps that were played, the first that has a contact with a time; undefined: none has. */
-export const firstStepOf = ({ all }) => all.find(({ near, answer }) => !near && answer.toi_first !== null);
 
 const quoted = (word) => (/^[\w./,-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
