@@ -313,11 +313,13 @@ export function makeContacts(data, state, does) {
     byId("order-box").hidden = measure === null || greatest === 0;
     byId("order").options[0].textContent = measure?.name ?? "time";
     const all = step.contacts.count;
-    const { unknown, missing } = readWords(filters.find, step.objects);
+    const { unknown, missing, own } = readWords(filters.find, step.objects);
+    const ownCount = own ? picked.filter((i) => ["a", "b"].some((side) => own(sideOf(step, i, side)))).length : picked.length;
+    const others = picked.length - ownCount;
     const hint = unknown.length > 0 ? `: no object is called “${unknown[0]}”; find vertex 3, edge 4-7, face 12, t<0.5, a name`
       : missing ? `: ${missing}`
       : picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
-    byId("picked").textContent = step.answer.status !== "OK" ? "none: it was not answered" : `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${hint}`;
+    byId("picked").textContent = step.answer.status !== "OK" ? "none: it was not answered" : `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${others > 0 ? `, ${count(ownCount)} of the vertex itself, ${count(others)} of its edges and faces` : ""}${hint}`;
   });
   makeGoing(data, state, does);
   makeHistogram(data, state);

@@ -19,7 +19,9 @@ function isFeature(side, points, numbers) {
 
 /** What was typed, as tests of a record's side, or of its time; all must hold. "vertex 3" or "v3",
  * "face 12", "edge 4-7" (its vertices), "12" (any feature with that vertex), each also with the
- * object that it is of: "vertex 3 of cloth"; "t<0.5"; a part of an object's name, or its colour.
+ * object that it is of: "vertex 3 of cloth"; "t<0.5"; a part of an object's name, or its colour. A
+ * vertex, unless it is said what it meets, stands for its edges and faces, too, and `own` tests for
+ * itself; null: none does.
  * `unknown`: the words that are none of these; `missing`: of a number that no feature has, how many
  * there are. */
 export function readWords(text, objects) {
@@ -68,7 +70,8 @@ export function readWords(text, objects) {
       if (numbers.some((number) => number >= most)) {
         missing = `${among.length === 1 ? `${among[0].name} has` : "none has more than"} ${plural(most, ...(points === 3 ? ["face", "faces"] : ["vertex", "vertices"]))}`;
       }
-      tests.push({ side: (side) => isFeature(side, Math.max(points, 0), numbers) && (!isOf || isOf(side)) });
+      const testOf = (wanted) => (side) => isFeature(side, wanted, numbers) && (!isOf || isOf(side));
+      tests.push({ side: testOf(Math.max(points, 0)), wide: points === 1 && numbers.length > 0 ? testOf(0) : null, isFeature: true });
     } else if (!BETWEEN.includes(word)) {
       const isOf = ofObject(word);
       if (isOf) {
@@ -78,7 +81,9 @@ export function readWords(text, objects) {
       }
     }
   }
-  return { tests, unknown, missing };
+  const [one, other] = tests.filter((test) => test.isFeature);
+  const own = one?.wide && !other ? one.side : null;
+  return { tests: tests.map((test) => (test === one && own ? { side: one.wide } : test)), unknown, missing, own };
 }
 
 /** Places of the records that pass what was typed and the pair, in the order that is asked for.
