@@ -22,6 +22,7 @@ struct fuzz {
     uint64_t seed; /* of the case */
     uint32_t step;
     uint32_t thread_max;
+    double distance; /* that pairs of the step have to keep */
     struct player player;
     struct eng_trace trace;
 };
@@ -53,6 +54,7 @@ static struct eng_question some_settings(struct fuzz *fuzz, enum pccd_mode mode)
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
+    settings.distance = fuzz->distance;
     way_draw(&fuzz->prng, fuzz->thread_max, &settings);
     settings.team_always = draw(fuzz, 4) > 0; /* else by a team where it pays */
     settings.trace = draw(fuzz, 4) == 0 ? &fuzz->trace : NULL;
@@ -64,6 +66,7 @@ static void find_reference(struct fuzz *fuzz, enum pccd_mode mode, struct answer
 {
     struct eng_question settings = ENG_QUESTION_DEFAULT;
     settings.mode = mode;
+    settings.distance = fuzz->distance;
     answer_find_fresh(&fuzz->player, &settings, answer);
     CHECK(fuzz, answer->result.incomplete == PCCD_COMPLETE);
 }
@@ -180,9 +183,11 @@ static void fuzz_step(struct fuzz *fuzz)
 {
     /* The first step is taken as the play staged it, the others from the copies. */
     static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
-                                           PCCD_MODE_PAIRS};
-    enum pccd_mode mode = modes[draw(fuzz, 4)];
+                                           PCCD_MODE_FIRST_PER_PAIR,
+                                           PCCD_MODE_PAIRS}; /* not where bodies turn */
+    enum pccd_mode mode = modes[draw(fuzz, fuzz->player.has_joints ? 4 : 5)];
     struct answer want;
+    fuzz->distance = draw(fuzz, 4) == 0 ? 0x1p-6 : 0;
     if (draw(fuzz, 4) == 0) {
         player_draw_filters(&fuzz->player, &fuzz->prng);
     }
@@ -212,11 +217,13 @@ static void fuzz_case(uint64_t seed)
     struct fuzz fuzz = {.prng = {seed}, .seed = seed};
     struct eng_scene_settings made = some_scene(&fuzz);
     struct play play;
-    uint32_t size = draw(&fuzz, 3) == 0 ? 40 : 400;
+    static const uint32_t sizes[] = {40, 40, 400, 400};
+    uint32_t size = sizes[draw(&fuzz, 4)];
     fuzz.thread_max = 1 + draw(&fuzz, 9);
     assert_ok(eng_trace_init(&fuzz.trace, 4, 64, 0));
     play_wild(&play, 3 + draw(&fuzz, 20), size, prng_next(&fuzz.prng));
     player_init(&fuzz.player, &made);
+    fuzz.player.turns_from = draw(&fuzz, 2) ? &fuzz.prng : NULL;
     for (uint32_t i = 0; i < play.act_count; i++) {
         if (play.acts[i].what == PLAY_STEP) {
             fuzz_step(&fuzz);

@@ -114,7 +114,11 @@ static void act(struct play *play, struct actor *actor, struct prng *prng)
     case 5:
         burst(actor, prng);
         break;
-    case 6:
+    case 6: /* to anywhere, past many others */
+        play_somewhere(prng, 2 * PLAY_ONE, way);
+        for (int k = 0; k < 3; k++) {
+            way[k] -= actor->x[0][k];
+        }
         actor_shake(actor, way, 0, prng);
         break;
     default:

@@ -1,7 +1,10 @@
 /* eng_player.c - performs a play on a scene, and knows where everything is. */
 #include "eng_player.h"
 
+#include "coordinates.h"
+#include "joints.h"
 #include "play_actor.h"
+#include "stage_turning.h"
 
 void player_init(struct player *player, const struct eng_scene_settings *settings)
 {
@@ -66,6 +69,7 @@ static void object_init(struct player_object *object, const struct play_act *act
     uint32_t bad;
     memset(object, 0, sizeof *object);
     object->id = act->object_id;
+    object->joint = PCCD_NO_JOINT;
     object->vertex_count = act->vertex_count;
     object->triangle_count = act->triangle_count;
     object->registered = test_copy(act->x0, act->vertex_count * sizeof *act->x0);
@@ -171,9 +175,57 @@ void player_open(struct player *player)
     for (uint32_t i = 0; i < player->object_count; i++) {
         struct player_object *object = &player->objects[i];
         memcpy(object->x0, object->x1, object->vertex_count * sizeof *object->x0);
+        object->joint = PCCD_NO_JOINT;
     }
+    player->has_joints = false;
     eng_stage_begin(player->scene);
     player->is_staging = true;
+}
+
+static void stage_joints(struct player *player)
+{
+    struct eng_bad_joint bad;
+    assert_ok(eng_stage_joints(player->scene, player->joints, PLAYER_JOINTS,
+                               &player->joint_base, &bad));
+}
+
+/* Draw the joints of a step: around where objects are, turns of any size, and slides. */
+static void draw_joints(struct player *player, struct prng *prng)
+{
+    for (uint32_t i = 0; i < PLAYER_JOINTS; i++) {
+        struct pccd_joint *joint = &player->joints[i];
+        *joint = (struct pccd_joint){.kind = PCCD_JOINT_TURN, .rotation = {0, 0, 0, 1}};
+        joint->parent = prng_below(prng, 2) ? i - 1 : PCCD_NO_JOINT; /* 0 - 1: none */
+        bool slides = prng_below(prng, 4) == 0;
+        joint->kind = slides ? PCCD_JOINT_SLIDE : PCCD_JOINT_TURN;
+        double most = slides ? 0.5 : prng_below(prng, 4) == 0 ? 7 : 0.5;
+        play_somewhere(prng, PLAY_ONE, joint->position);
+        play_somewhere(prng, PLAY_ONE, joint->axis);
+        joint->axis[prng_below(prng, 3)] += 3; /* never of no length */
+        joint->from[0] = prng_between(prng, -most, most);
+        joint->to[0] = joint->from[0] + prng_between(prng, -most, most);
+    }
+    player->has_joints = true;
+    stage_joints(player);
+}
+
+/* The object turns from one place of a joint to another. */
+static int turn(struct player *player, struct player_object *object)
+{
+    double m[2][12];
+    if (!player->has_joints) {
+        draw_joints(player, player->turns_from);
+    }
+    object->joint = prng_u32(player->turns_from, PLAYER_JOINTS);
+    for (int end = 0; end < 2; end++) {
+        common_joint_transform(player->joints, object->joint, end, m[end]);
+    }
+    for (uint32_t i = 0; i < object->vertex_count; i++) {
+        common_transform(m[0], object->registered[i], object->x0[i]);
+        common_transform(m[1], object->registered[i], object->x1[i]);
+    }
+    return eng_stage_turning(player->scene, object->idx,
+                             player->joint_base + object->joint);
 }
 
 /* The positions as the act wants them sent. Freed by the caller. */
@@ -207,7 +259,10 @@ static void move(struct player *player, const struct play_act *act)
     uint32_t count = act->vertex_count;
     int status;
     assert_true(first < object->vertex_count && count <= object->vertex_count - first);
-    if (act->what == PLAY_RIGID) {
+    if (act->what == PLAY_RIGID && player->turns_from && count == object->vertex_count &&
+        prng_below(player->turns_from, 4)) {
+        status = turn(player, object);
+    } else if (act->what == PLAY_RIGID) {
         for (uint32_t i = first; i < first + count; i++) {
             transform(act->m[0], object->registered[i], object->x0[i]);
             transform(act->m[1], object->registered[i], object->x1[i]);
@@ -271,8 +326,16 @@ void player_stage_copies(struct player *player)
     player_drop(player);
     eng_stage_begin(player->scene);
     player->is_staging = true;
+    if (player->has_joints) {
+        stage_joints(player);
+    }
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *object = &player->objects[i];
+        if (object->joint != PCCD_NO_JOINT) {
+            assert_ok(eng_stage_turning(player->scene, object->idx,
+                                        player->joint_base + object->joint));
+            continue;
+        }
         assert_ok(eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
                                  object->vertex_count, object->x0, object->x1));
     }
@@ -300,6 +363,8 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
     struct filters_place places[PLAYER_OBJECTS_MAX];
     uint32_t count = list_places(copy, places);
     copy->filters = player->filters;
+    memcpy(copy->joints, player->joints, sizeof copy->joints);
+    copy->has_joints = player->has_joints;
     filters_apply(&copy->filters, copy->scene, places, count);
     player_stage_copies(copy);
 }

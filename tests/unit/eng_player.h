@@ -8,6 +8,7 @@
 #include "step.h"
 
 #define PLAYER_OBJECTS_MAX 32u
+#define PLAYER_JOINTS      3u
 
 struct player_object {
     uint32_t id;
@@ -21,6 +22,7 @@ struct player_object {
     uint32_t (*triangles)[3];
     double *radii; /* of vertices: as the mesh has them, or the object's own */
     struct eng_object_thickness thickness;
+    uint32_t joint; /* on which it turns in the step; PCCD_NO_JOINT: it goes straight */
 };
 
 struct player {
@@ -30,6 +32,10 @@ struct player {
     struct filters filters;
     bool is_staging;
     struct prng *radii_from; /* meshes that come have radii from it; NULL: none */
+    struct prng *turns_from; /* what moves rigidly turns on joints from it; NULL: none */
+    struct pccd_joint joints[PLAYER_JOINTS]; /* of the step */
+    bool has_joints;
+    uint32_t joint_base; /* of what is staged */
 };
 
 /* An empty scene; `settings` NULL: the defaults. */

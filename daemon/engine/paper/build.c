@@ -382,6 +382,15 @@ static bool contains(const struct eng_node *outer, const struct eng_node *inner)
     return true;
 }
 
+bool eng_tree_has_boxes(const struct eng_scene *scene)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    return !trees->top_is_stale && !trees->boxes_are_old && trees->boxes_of != 0 &&
+           trees->boxes_of == scene->moving.number &&
+           trees->frames == scene->framing.number &&
+           trees->thickness == scene->thickness.number;
+}
+
 static bool leaf_contains_triangle(const struct eng_scene *scene,
                                    const struct eng_node *leaf)
 {
@@ -406,14 +415,15 @@ static bool validate_node(const struct eng_scene *scene, uint32_t idx)
 {
     struct eng_trees *trees = eng_trees_of(scene);
     const struct eng_node *node = &trees->nodes[idx];
+    const bool has_boxes = eng_tree_has_boxes(scene);
     if (node->left == ENG_LEAF) {
         return node->count == 1 &&
-               (trees->boxes_are_old || leaf_contains_triangle(scene, node));
+               (!has_boxes || leaf_contains_triangle(scene, node));
     }
     const struct eng_node *left = &trees->nodes[node->left];
     const struct eng_node *right = &trees->nodes[node->right];
     return node->count == left->count + right->count &&
-           (trees->boxes_are_old || (contains(node, left) && contains(node, right)));
+           (!has_boxes || (contains(node, left) && contains(node, right)));
 }
 
 /* A number whose sums tell sets of triangles apart. */

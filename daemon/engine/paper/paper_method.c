@@ -130,15 +130,6 @@ static int prepare(struct eng_team *team, const struct eng_question *question)
     return status;
 }
 
-static bool has_boxes(const struct eng_scene *scene)
-{
-    const struct eng_trees *trees = eng_trees_of(scene);
-    return !trees->top_is_stale && !trees->boxes_are_old && trees->boxes_of != 0 &&
-           trees->boxes_of == scene->moving.number &&
-           trees->frames == scene->framing.number &&
-           trees->thickness == scene->thickness.number;
-}
-
 static void start(struct eng_team *team, const struct eng_question *question)
 {
     struct eng_paper *paper = eng_paper_of(team->scene);
@@ -197,7 +188,7 @@ static bool refit_by_team(struct eng_team *team, struct eng_worker *worker)
 
 const struct eng_method_calls eng_method_paper = {.is_stale = is_stale,
                                                   .prepare = prepare,
-                                                  .has_boxes = has_boxes,
+                                                  .has_boxes = eng_tree_has_boxes,
                                                   .validate = eng_tree_validate,
                                                   .start = start,
                                                   .refit = refit,

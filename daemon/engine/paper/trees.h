@@ -243,9 +243,13 @@ void eng_paper_drop_object(struct eng_scene *scene, struct eng_object *object);
  * stale. */
 int eng_build_top(struct eng_scene *scene);
 
-/* Return whether every parent precedes its children and contains them at both ends,
- * counts add up, and every triangle of every object is in exactly one leaf. Test and
- * debug builds. */
+/* Return whether the nodes' boxes are those of the scene's last motion. They are not
+ * after a step in which whatever moves turns. */
+bool eng_tree_has_boxes(const struct eng_scene *scene);
+
+/* Return whether every parent precedes its children and, if their boxes are of the last
+ * motion, contains them at both ends, counts add up, and every triangle of every object
+ * is in exactly one leaf. Test and debug builds. */
 bool eng_tree_validate(const struct eng_scene *scene);
 
 #endif
