@@ -345,10 +345,12 @@ enum pccd_verdict {
  *
  * toi, toi_hi  parameter of the step, 0 .. 1. `toi` is never after the first contact.
  *              All are proved but some of bodies that turn: the first contact is in
- *              [toi, toi_hi] and toi_hi - toi <= tolerance. Thick features, those with a
- *              radius or a separation, meet where their distance is at most r, the sum of
- *              both radii and the separation; param and normal are then those of the
- *              nearest points at toi.
+ *              [toi, toi_hi] and toi_hi - toi <= tolerance; of bodies that turn it may be
+ *              more where they come within `resolution` before they are proved to meet:
+ *              toi is when they first do. Thick features, those with a radius or a
+ *              separation, meet where their distance is at most r, the sum of both radii
+ *              and the separation; param and normal are then those of the nearest points
+ *              at toi.
  * param        VF: barycentric weights of the face's second and third vertex.
  *              EE: position along edge a and along edge b, 0 at the lower vertex index.
  *              VE: 0, then the position along the edge. VV: zeros.
