@@ -13,6 +13,7 @@ static struct {
     uint64_t team_steps;
     uint64_t early; /* steps that ended before they were complete */
     uint64_t records;
+    uint64_t near; /* records of what is near */
     uint64_t rebuilds;
     uint64_t swaps;
 } sums;
@@ -179,6 +180,27 @@ static void try_and_take_back(struct fuzz *fuzz)
     player_stage_copies(player);
 }
 
+/* What is near now, by any question. */
+static void ask_what_is_near(struct fuzz *fuzz)
+{
+    static const double distances[] = {0, 0x1p-6, 0x1p-4, INFINITY};
+    struct eng_question question = some_settings(fuzz, PCCD_MODE_ALL);
+    struct eng_step_result result;
+    struct answer want;
+    question.verb = draw(fuzz, PCCD_NEAR_DEPTH); /* that is of closed meshes alone */
+    question.end = draw(fuzz, 2);
+    question.distance = distances[draw(fuzz, question.verb == PCCD_NEAR_NEAREST ? 4 : 3)];
+    answer_find_fresh(&fuzz->player, &question, &want);
+    CHECK(fuzz, eng_near(fuzz->player.scene, &question, &result) == PCCD_OK);
+    const char *difference = answer_difference(&want, &result);
+    if (difference) {
+        fail_msg("PCCD_SEED=%llu, step %u: not the same, what is near (%u): %s",
+                 (unsigned long long)fuzz->seed, fuzz->step, question.verb, difference);
+    }
+    sums.near += result.count;
+    answer_free(&want);
+}
+
 static void fuzz_step(struct fuzz *fuzz)
 {
     /* The first step is taken as the play staged it, the others from the copies. */
@@ -209,6 +231,9 @@ static void fuzz_step(struct fuzz *fuzz)
         take_whole_step(fuzz, mode, &want);
     }
     answer_free(&want);
+    if (draw(fuzz, 3) == 0) {
+        ask_what_is_near(fuzz);
+    }
     fuzz->step++;
 }
 
@@ -249,11 +274,11 @@ CASE(fuzz__answers_as_a_fresh_scene)
         fuzz_case(i == 0 ? prng.state : prng_next(&prng));
     }
     print_message("# %llu cases, %llu steps, %llu by a team, %llu ended early; %llu "
-                  "records, %llu subtrees rebuilt, %llu swapped\n",
+                  "records, %llu of what is near; %llu subtrees rebuilt, %llu swapped\n",
                   (unsigned long long)sums.cases, (unsigned long long)sums.steps,
                   (unsigned long long)sums.team_steps, (unsigned long long)sums.early,
-                  (unsigned long long)sums.records, (unsigned long long)sums.rebuilds,
-                  (unsigned long long)sums.swaps);
+                  (unsigned long long)sums.records, (unsigned long long)sums.near,
+                  (unsigned long long)sums.rebuilds, (unsigned long long)sums.swaps);
     if (!getenv("PCCD_SEED")) {
         assert_true(sums.team_steps > 0 && sums.early > 0);
     }
