@@ -180,7 +180,7 @@ static void try_and_take_back(struct fuzz *fuzz)
     player_stage_copies(player);
 }
 
-/* What is near now, by any question. */
+/* Ask what is near now, any question. */
 static void ask_what_is_near(struct fuzz *fuzz)
 {
     static const double distances[] = {0, 0x1p-6, 0x1p-4, INFINITY};
