@@ -57,6 +57,7 @@ two '' '' && check 1 scene.json &&
     two '' '' ', "ignore": [["floor", "box"]]' && check 0 scene.json &&
     two ', "groups": "a", "meets": ["a"]' ', "groups": ["b", "c"]' && check 0 scene.json &&
     two ', "groups": "a", "meets": "c"' ', "groups": ["b", "c"], "meets": ["a"]' && check 1 scene.json &&
+    two ', "meets": ["a", "b"]' '' && check 0 scene.json && two ', "groups": "a"' '' && check 1 scene.json &&
     two '' '' ', "frames": {"last": 2}' && check 0 scene.json &&
     two '' '' ', "frames": {"first": 2, "last": 3}' && check 1 scene.json &&
     two ', "thickness": 2' '' ', "frames": {"last": 2}' && check 1 scene.json

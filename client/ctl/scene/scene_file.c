@@ -13,7 +13,7 @@
 #include "text.h"
 
 #define SCENE_VERSION 1
-#define GROUPS_MAX    64u /* bits of a group or mask */
+#define GROUPS_MAX    63u /* bits of a group or mask, but for the one of a new object */
 #define UNIT_MIN      1e-18
 #define LENGTH_MAX    1e18
 #define RINGS_MAX     8.0
@@ -107,7 +107,8 @@ static const struct member object_members[] = {
     {"rings", WHOLE, 0, RINGS_MAX, "As --rings"},
     {"self", TRUTH, 0, 0, "Whether it meets itself (default: true)"},
     {"groups", TEXTS, 0, 0,
-     "The groups that it is in, by names of your own; at most 64 in a scene"},
+     "The groups that it is in, by names of your own; at most 63 in a scene (default: "
+     "none)"},
     {"meets", TEXTS, 0, 0,
      "The groups that it may meet. Two objects meet if each is in a group that the other "
      "may meet (default: all)"},
@@ -355,7 +356,8 @@ static char *beside(const struct reader *reader, const char *path)
     return whole;
 }
 
-/* The bits of groups by their names, in the order in which names first come. */
+/* The bits of groups by their names, in the order in which names first come: an object
+ * without groups is in none that has a name. */
 static uint64_t take_groups(struct reader *reader, const json_t *of,
                             const struct step *at, const char *key)
 {
@@ -376,7 +378,7 @@ static uint64_t take_groups(struct reader *reader, const json_t *of,
         if (group == reader->group_count) {
             reader->groups[reader->group_count++] = names[i];
         }
-        bits |= UINT64_C(1) << group;
+        bits |= UINT64_C(2) << group;
     }
     free(names);
     return bits;
