@@ -592,7 +592,7 @@ struct pccd_answer {
                                  * that turn */
     double toi_first; /* smallest toi; 2: no record, or mode any or pairs */
     uint64_t hash[2]; /* of all records, version PCCD_HASH_VERSION: high, low */
-    uint64_t number;  /* of the step in its scene, whoever made it, from 1 */
+    uint64_t number;  /* of the step in its scene, from 1; 0: told before its turn */
     uint32_t threads;
     char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;

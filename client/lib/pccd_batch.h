@@ -130,9 +130,10 @@ const struct pccd_pair *pccd_batch_pairs(const struct pccd_batch_answer *answer,
 int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1);
 /* Submit what was written. `settings` are those of every scene (no `hold`, no
  * `tells_start`), NULL: the defaults; their deadline is the batch's: a scene that is not
- * done by then is incomplete, and moves behind the answer; if it cannot, its next step
- * says why. The others keep their answers. So it is with one that is cancelled. *step
- * numbers the first scene's step. The batch can be begun again at once. */
+ * done by then is incomplete, and moves behind the answer; if it cannot, also where what
+ * it moves makes no sense, its next step says why. The others keep their answers. So it
+ * is with one that is cancelled. *step numbers the first scene's step. The batch can be
+ * begun again at once. */
 int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings *settings,
                       uint64_t *step);
 /* Give the slot back unsent. */

@@ -589,6 +589,41 @@ int eng_step(struct eng_scene *scene, const struct eng_question *question,
     return status;
 }
 
+/* The method paper makes all boxes in each step, and others read them as they are. */
+int eng_move(struct eng_scene *scene, const struct eng_question *question,
+             struct eng_step_result *result)
+{
+    assert(scene && question && result && !question->brief && !eng_asks_part(question));
+    uint64_t begin_ns = common_now_ns();
+    uint64_t staged_ns = 0;
+    if (eng_method_of(question) != PCCD_METHOD_WIDE) {
+        return eng_step(scene, question, result);
+    }
+    int status = check(scene, question);
+    if (status != PCCD_OK) {
+        eng_stage_abort(scene);
+        return status;
+    }
+    eng_thickness_begin(scene, question->distance);
+    status = arrive(scene, question, &staged_ns);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    scene->step++;
+    scene->has_moved_without_answer = false;
+    eng_box_frames_follow(scene);
+    eng_bodies_leave(scene, question);
+    eng_step_memory_of(scene)->cache.is_valid = false;
+    eng_step_empty_result(question, result);
+    if (question->cancel &&
+        atomic_load_explicit(question->cancel, memory_order_relaxed)) {
+        result->incomplete = PCCD_INCOMPLETE_CANCELLED;
+    }
+    result->times.ingest = scene->stage_ns;
+    result->times.step = common_now_ns() - begin_ns + staged_ns;
+    return PCCD_OK;
+}
+
 uint64_t eng_step_expects(const struct eng_scene *scene,
                           const struct eng_question *question)
 {

@@ -35,6 +35,11 @@ bool eng_step_refuses_start(const struct eng_scene *scene,
 int eng_step(struct eng_scene *scene, const struct eng_question *question,
              struct eng_step_result *result);
 
+/* Move the scene on, and find nothing: as eng_step, whose end has come before it begins.
+ * With the method wide nothing is made for it that the scene does not have yet. */
+int eng_move(struct eng_scene *scene, const struct eng_question *question,
+             struct eng_step_result *result);
+
 /* Return how much work the next step with these settings will be, as the last ones were;
  * nanoseconds of one thread. A guess by the size of the scene before the first. */
 uint64_t eng_step_expects(const struct eng_scene *scene,

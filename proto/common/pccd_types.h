@@ -316,7 +316,7 @@ struct pccd_scene_answer {
                             stands where it stood, `why` says more, and all else is 0 */
     uint32_t incomplete; /* enum pccd_incomplete */
     uint32_t verdict;    /* enum pccd_verdict */
-    uint64_t number;     /* of the step among those of its scene, from 1 */
+    uint64_t number;     /* of the step in its scene, from 1; 0: told before its turn */
     uint64_t total;      /* records of the whole answer */
     uint64_t counts[PCCD_KINDS_MAX]; /* records by enum pccd_kind; in mode any 0 */
     uint64_t possible, initial, inside;

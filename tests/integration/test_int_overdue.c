@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "crossing.h"
+#include "farm.h"
 #include "fixture.h"
 #include "grid.h"
 #include "must.h"
@@ -221,6 +222,52 @@ CASE_WITH(overdue__step_is_answered_while_its_thread_looks_at_nothing, start, te
         test_grid_expect(&grid, step);
     }
     assert_true(is_answered_meanwhile);
+}
+
+/* If it failed, a batch would wait for its turn though its client wants no more of it:
+ * for scenes that move behind the answer of the batch before, say. No thread can answer
+ * the first two. */
+CASE_WITH(overdue__batch_is_answered_before_its_turn, start, teardown)
+{
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
+    struct test_farm farm;
+    uint64_t before, cancelled[2];
+
+    if (test_is_direct()) {
+        test_skip("with direct: there is no other thread that could answer");
+    }
+    assert_ok(test_farm_make(client, 3, 4, &farm));
+    hold_threads();
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_ok(test_farm_submit(&farm, i + 1, NULL, &cancelled[i]));
+        assert_ok(pccd_cancel(client, cancelled[i]));
+        int status = pccd_batch_wait(client, cancelled[i], 5000, &all);
+        if (status != 0) {
+            release_threads();
+        }
+        assert_ok(status);
+        assert_int_equal(all.failed, 0);
+        assert_int_equal(all.incomplete, 3);
+        assert_int_equal(all.scenes[2].incomplete, PCCD_INCOMPLETE_CANCELLED);
+        assert_int_equal(all.scenes[2].scene, farm.worlds[2].scene);
+        pccd_batch_release(client, &all);
+    }
+    release_threads();
+    assert_ok(test_farm_turn(&farm, 3, NULL, &all)); /* from where both have led */
+    assert_int_equal(all.incomplete, 0);
+    assert_int_equal(all.scenes[2].number, 3);
+    pccd_batch_release(client, &all);
+    assert_ok(test_grid_submit(&grid, NULL, &before));
+    assert_ok(test_farm_submit(&farm, 4, NULL, &cancelled[0]));
+    assert_ok(pccd_cancel(client, cancelled[0]));
+    assert_ok(pccd_batch_wait(client, cancelled[0], 60000, &all));
+    test_grid_expect(&grid, before); /* neither writes to the page of the other */
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(all.scenes[i].scene, farm.worlds[i].scene);
+        assert_int_equal(all.scenes[i].incomplete, PCCD_INCOMPLETE_CANCELLED);
+    }
+    pccd_batch_release(client, &all);
+    test_farm_free(&farm);
 }
 
 /* ---- what goes wrong later --------------------------------------------------------- */

@@ -158,17 +158,14 @@ static bool can_be_brief(struct srv_request *request)
     return eng_step_can_be_brief(scene->engine, &question, segments > 0);
 }
 
-/* Copied out of the slot of a step that is answered before its turn: some 100 us. One
- * that needs more is answered in its turn. */
-#define EARLY_BYTES_MAX (1u << 20)
-
 /* It is to end, and others are still before it: the answer is known. What it moves is
  * copied for its turn, unless it is OPEN and has been read. */
-static void answer_early(struct srv_request *request, enum pccd_incomplete why)
+static bool answer_early(struct srv_request *request, enum pccd_incomplete why)
 {
     srv_assert_loop();
     const struct srv_step_params params =
         srv_step_params_of(request->method, &request->params);
+    struct srv_service *service = request->session->service;
     struct srv_quota_user *user = request->session->owner.user;
     struct srv_ring *ring = request->plan.ring;
     struct proto_answer answer;
@@ -177,28 +174,24 @@ static void answer_early(struct srv_request *request, enum pccd_incomplete why)
         atomic_load_explicit(&request->state, memory_order_acquire) == SRV_REQUEST_OPEN;
     bool moves = params.slot.segments > 0 && !is_open;
     uint64_t bytes = 0;
-    uint64_t copy_bytes = 0;
     uint8_t *copy = NULL;
-    if (moves) {
-        bytes = ring->slot_stride < EARLY_BYTES_MAX ? ring->slot_stride : EARLY_BYTES_MAX;
-        if (srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, bytes, &error) != 0) {
-            return;
-        }
-        /* If it cannot be: whoever stages it in its turn says why. */
-        (void)srv_stage_keep(ring, &params.slot, bytes, &copy, &copy_bytes, &error);
+    if (moves && srv_step_keep(request, &copy, &bytes, &error) != 0) {
+        return true; /* whoever stages it in its turn says why */
     }
     srv_step_nothing(request, why, &answer);
     answer.ns_queue =
         (is_open ? request->begin_ns : common_now_ns()) - request->arrival_ns;
     answer.release = /* storing it changes nothing */
         atomic_load_explicit(&ring->shared->result_head.value, memory_order_relaxed);
-    bool can = copy != NULL || !moves;
-    if (!(can && srv_request_answer_early(request, &answer, copy, bytes))) {
-        free(copy);
+    if (!srv_request_answer_early(request, &answer, copy, bytes, NULL)) {
         srv_quota_refund(user, SRV_QUOTA_SHM_BYTES, bytes);
-    } else if (params.is_near) { /* a step is counted when it has moved */
-        srv_metrics_add_near(&request->session->service->metrics, &answer);
+        free(copy);
+        return false;
     }
+    if (params.is_near) { /* a step is counted when it has moved */
+        srv_metrics_add_near(&service->metrics, &answer);
+    }
+    return true;
 }
 
 /* ---- the messages ------------------------------------------------------------------ */
@@ -243,7 +236,10 @@ static int start_batch(struct srv_call *call, const struct srv_step_params *para
                             .claims = batch->claims,
                             .claim_count = batch->claim_count,
                             .takes_slot = true,
-                            .replies = batch->shared_count == 0};
+                            .answer_early = srv_batch_answer_early,
+                            .replies = batch->shared_count == 0,
+                            .deadline_ns =
+                                srv_step_deadline(params->deadline_ns, call->arrival_ns)};
     status = srv_request_start(call, &plan);
     if (status < 0) {
         srv_batch_end(batch);

@@ -523,16 +523,38 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
 
 /* ---- before their turn ------------------------------------------------------------- */
 
+/* Return whether the next page is that of a request which waits: nobody uses its ring
+ * until that begins, and the client has all pages before. Locked. */
+static bool may_write(const struct srv_request *request)
+{
+    const struct srv_session *session = request->session;
+    bool is_free = !request->job.list->serving;
+    for (const struct srv_request *at = session->requests; at != NULL && !is_free;
+         at = at->next) {
+        /* A batch that has its answer only moves scenes. */
+        is_free =
+            at->job.state == SRV_JOB_RUNNING && at->plan.batch != NULL && is_early(at);
+    }
+    return is_free && atomic_load(&session->owed_count) == 0;
+}
+
 struct early {
     uint8_t *copy;
     uint64_t copy_bytes;
+    bool (*write)(struct srv_request *request);
+    bool is_refused;
 };
 
 /* Locked: it cannot begin. */
 static void mark_answered(struct srv_job *job, void *context)
 {
     struct srv_request *request = (struct srv_request *)job;
-    const struct early *early = context;
+    struct early *early = context;
+    early->is_refused =
+        early->write != NULL && !(may_write(request) && early->write(request));
+    if (early->is_refused) {
+        return;
+    }
     srv_request_move(request, SRV_REQUEST_EARLY);
     job->counts = false; /* its client may ask for the next thing */
     request->copy = early->copy;
@@ -540,15 +562,32 @@ static void mark_answered(struct srv_job *job, void *context)
     srv_request_return_slot(request);
 }
 
+static void ask_may_write(struct srv_job *job, void *context)
+{
+    *(bool *)context = may_write((struct srv_request *)job);
+}
+
+bool srv_request_may_write(struct srv_request *request)
+{
+    bool may = false;
+    (void)srv_compute_amend(&request->session->service->compute, &request->job,
+                            ask_may_write, &may);
+    return may;
+}
+
 bool srv_request_answer_early(struct srv_request *request, const void *result,
-                              uint8_t *copy, uint64_t copy_bytes)
+                              uint8_t *copy, uint64_t copy_bytes,
+                              bool (*write)(struct srv_request *request))
 {
     srv_assert_loop();
     struct srv_session *session = request->session;
-    struct early early = {copy, copy_bytes};
+    struct early early = {copy, copy_bytes, write, false};
     bool is_late = copy == NULL && leave_open(request, SRV_REQUEST_EARLY);
     if (!is_late && !srv_compute_amend(&session->service->compute, &request->job,
                                        mark_answered, &early)) {
+        return false;
+    }
+    if (early.is_refused) {
         return false;
     }
     session->submit_count--;
@@ -600,7 +639,7 @@ void srv_request_send_open(struct srv_service *service)
     bool has_open = atomic_exchange(&service->has_open, false);
     struct srv_request *request = has_open ? find_open(service) : NULL;
     while (request != NULL &&
-           srv_request_answer_early(request, &request->result, NULL, 0)) {
+           srv_request_answer_early(request, &request->result, NULL, 0, NULL)) {
         request = find_open(service); /* its session may have ended */
     }
 }
@@ -631,8 +670,9 @@ static void look_again(struct srv_request *request)
     }
 }
 
-/* Answer a request that is to end since `end_ns`: at once where it waits; one that runs
- * after a grace, when it has read its slot. */
+/* Answer a request that is to end since `end_ns`: at once where it waits, or when the
+ * pages before that of a batch are the client's; one that runs after a grace, when it has
+ * read its slot. */
 static void try_early(struct srv_request *request, enum pccd_incomplete why,
                       uint64_t end_ns)
 {
@@ -645,10 +685,11 @@ static void try_early(struct srv_request *request, enum pccd_incomplete why,
     bool waits = srv_compute_amend(&session->service->compute, &request->job, NULL, NULL);
     bool is_late = srv_request_state(request) == SRV_REQUEST_OPEN &&
                    common_now_ns() - request->end_ns >= GRACE_NS;
-    if (waits ? is_first : is_late) {
-        request->plan.answer_early(request, why);
+    bool is_over = waits; /* then it may be gone, with its session */
+    if (waits ? is_first || request->plan.batch != NULL : is_late) {
+        is_over = request->plan.answer_early(request, why);
     }
-    if (!waits && !is_early(request)) {
+    if (!is_over) {
         look_again(request);
     }
 }

@@ -55,6 +55,7 @@ struct srv_item {
     uint32_t segments; /* of a batch: that are its own, */
     uint32_t first;    /* and where they begin in the table of all */
     uint64_t joints_end; /* [compute] of a batch: where its tables of joints must end */
+    bool is_staged;      /* [compute] of a batch: what it moves was read */
     bool has_stepped;  /* [compute] then [loop], as all that follows */
     struct srv_held_frame *taken; /* held frames that went along */
     struct proto_answer
@@ -93,8 +94,9 @@ struct srv_plan {
     bool takes_slot;     /* a slot of the ring, to be returned exactly once */
     bool makes_pages;    /* the work is done on [pages], beside what is computed */
     /* [loop] It still waits for its turn, and its deadline has come or it was cancelled:
-     * answer it (srv_request_answer_early), or leave it to its turn. NULL: it is left. */
-    void (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
+     * answer it (srv_request_answer_early), or leave it to its turn. False: ask again a
+     * little later. NULL: it is left. */
+    bool (*answer_early)(struct srv_request *request, enum pccd_incomplete why);
     /* [loop] while nothing is computed: whether the work is certain to take no longer
      * than some tens of microseconds, or else to set job.goes_on, if it is BRIEF.
      * NULL: it is not. */
@@ -185,9 +187,15 @@ void srv_request_overdue(struct srv_deadline *deadline);
 /* Answer with `result`, of its method, a request that still waits for its turn, when it
  * will do what is left without an answer: out of `copy`, of malloc, charged as
  * SRV_QUOTA_SHM_BYTES and taken over, in the place of its slot, which is returned; or
- * one that is OPEN. False: it is neither, and nothing has changed. [loop] */
+ * one that is OPEN, without a copy. `write`, NULL: there is none, writes the page of one
+ * that waits, where srv_request_may_write, or returns false: it cannot now. False: it is
+ * neither, or has no page, and nothing has changed. [loop] */
 bool srv_request_answer_early(struct srv_request *request, const void *result,
-                              uint8_t *copy, uint64_t copy_bytes);
+                              uint8_t *copy, uint64_t copy_bytes,
+                              bool (*write)(struct srv_request *request));
+/* Return whether the page of a request that waits for its turn may be written: nobody
+ * uses its ring, and the client has all answers whose pages lie before. [loop] */
+bool srv_request_may_write(struct srv_request *request);
 
 /* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with
  * call->error set: then neither function of the plan is called. [loop] */

@@ -7,7 +7,10 @@
  * its own answer.
  *
  * A batch that has to end answers at once: scenes whose turn has not come are incomplete,
- * and move behind the answer. What goes wrong then is said by their next step.
+ * and move behind the answer. What goes wrong then is said by their next step. What these
+ * move and was not read is copied before the answer, so that the slot is the client's
+ * again. One that waits for its turn then is answered by the loop, as soon as the client
+ * has the answers before it, since pages are given in their order.
  */
 #include "srv_batch.h"
 
@@ -179,6 +182,8 @@ struct work {
     struct srv_request *request;
     const struct srv_step_params *params;
     struct srv_batch *batch;
+    struct proto_answer nothing; /* of a scene that has not had its turn */
+    bool reads_all; /* what is not staged in time cannot be kept: go on staging */
     struct pccd_scene_answer *answers; /* [batch->count], in the result region */
     uint64_t tables_bytes;
     struct eng_question question; /* of a scene that the whole team steps */
@@ -273,14 +278,37 @@ static bool is_over(const struct eng_question *question)
 /* Answer for a scene that has to move and does not begin. */
 static void answer_late(struct work *work, uint32_t i)
 {
-    const struct srv_item *item = &work->batch->items[i];
     bool is_cancelled = atomic_load_explicit(work->question.cancel, memory_order_relaxed);
-    struct proto_answer nothing;
-    srv_step_nothing(work->request,
-                     is_cancelled ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_DEADLINE,
-                     &nothing);
-    nothing.number = item->scene->number + 1;
-    describe(&nothing, &work->answers[i]);
+    describe(&work->nothing, &work->answers[i]);
+    work->answers[i].incomplete =
+        is_cancelled ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_DEADLINE;
+    work->answers[i].number = work->batch->items[i].scene->number + 1;
+}
+
+/* Return how to do a part of a scene's work; its result and *staging.error are the
+ * caller's. What is not staged before the answer is in a copy of the slot. */
+static struct srv_step_run run_of(const struct work *work, uint32_t i, enum part part,
+                                  const struct eng_question *question)
+{
+    const struct srv_request *request = work->request;
+    struct srv_batch *batch = work->batch;
+    struct srv_item *item = &batch->items[i];
+    struct srv_ring *ring = request->copy == NULL ? request->plan.ring : NULL;
+    return (struct srv_step_run){.request = work->request,
+                                 .item = item,
+                                 .params = work->params,
+                                 .question = question,
+                                 .step = work->params->step + i,
+                                 .is_answered = part == MOVE,
+                                 .staging = {.ring = ring,
+                                             .payload = request->copy,
+                                             .payload_bytes = request->copy_bytes,
+                                             .slot = {.slot = work->params->slot.slot,
+                                                      .segments = item->segments,
+                                                      .seq = work->params->slot.seq},
+                                             .table = batch->segments + item->first,
+                                             .tables_bytes = work->tables_bytes,
+                                             .joints_end = item->joints_end}};
 }
 
 static void work_scene(struct work *work, uint32_t i, enum part part,
@@ -289,28 +317,24 @@ static void work_scene(struct work *work, uint32_t i, enum part part,
     struct srv_batch *batch = work->batch;
     struct srv_item *item = &batch->items[i];
     struct eng_step_result result;
-    if (item->status != 0 || item->has_stepped) {
+    if (item->status != 0 || item->has_stepped || (part == STAGE && item->is_staged)) {
         return;
     }
-    if (part == COMPUTE && item->member == NULL && is_over(question)) {
-        answer_late(work, i);
+    bool may_wait = item->member == NULL && part != MOVE && !work->reads_all;
+    if (may_wait && is_over(question)) {
+        if (part == COMPUTE) {
+            answer_late(work, i);
+        }
         return;
     }
-    struct srv_step_run run = {.request = work->request,
-                               .item = item,
-                               .params = work->params,
-                               .question = question,
-                               .step = work->params->step + i,
-                               .staging = {.ring = work->request->plan.ring,
-                                           .slot = {.slot = work->params->slot.slot,
-                                                    .segments = item->segments,
-                                                    .seq = work->params->slot.seq},
-                                           .table = batch->segments + item->first,
-                                           .tables_bytes = work->tables_bytes,
-                                           .joints_end = item->joints_end,
-                                           .error = &tally->error},
-                               .result = &result};
-    int status = part == STAGE ? srv_step_stage(&run) : srv_step_compute(&run);
+    struct srv_step_run run = run_of(work, i, part, question);
+    run.staging.error = &tally->error;
+    run.result = &result;
+    int status = item->is_staged ? 0 : srv_step_stage(&run);
+    item->is_staged = true;
+    if (status == 0 && part != STAGE) {
+        status = srv_step_compute(&run);
+    }
     PCCD_ASSERT(status != PCCD_E_AGAIN); /* none is brief */
     item->status =
         status == 0 ? 0 : srv_enginemem_tell(&work->memory, status, &tally->error);
@@ -431,6 +455,14 @@ static uint32_t work_large(struct work *work, uint64_t *rest_ns)
     return left;
 }
 
+/* Leave all scenes that nobody shares to batch->rest, as they come. */
+static void take_all(struct work *work)
+{
+    work->rest_count = work->batch->order_count;
+    memcpy(work->batch->rest, work->batch->order,
+           work->rest_count * sizeof *work->batch->rest);
+}
+
 static void work_together(struct work *work, uint32_t count, uint32_t threads,
                           void (*item)(void *context, uint32_t at, uint32_t thread))
 {
@@ -439,6 +471,29 @@ static void work_together(struct work *work, uint32_t count, uint32_t threads,
                                                       .affinity = work->question.affinity,
                                                       .item = item,
                                                       .context = work});
+}
+
+/* Copy what the scenes move that are not staged, as the batch has to end; or stage them,
+ * if it is too much. */
+static void keep_rest(struct work *work)
+{
+    struct srv_request *request = work->request;
+    const struct srv_batch *batch = work->batch;
+    struct proto_error error = {0};
+    bool is_left = false;
+    for (uint32_t i = 0; i < batch->order_count && !is_left; i++) {
+        const struct srv_item *item = &batch->items[batch->order[i]];
+        is_left = item->status == 0 && !item->is_staged;
+    }
+    if (!is_left ||
+        srv_step_keep(request, &request->copy, &request->copy_bytes, &error) == 0) {
+        return;
+    }
+    work->reads_all = true;
+    for (uint32_t i = 0; i < batch->order_count; i++) {
+        stage_item(work, i, 0);
+    }
+    work->reads_all = false;
 }
 
 /* Stage what all scenes move that nobody shares: the slot is the client's again then. */
@@ -451,8 +506,9 @@ static void stage_scenes(struct work *work)
         all_ns += expects(work, batch->order[i]);
     }
     threads = threads < batch->order_count ? threads : batch->order_count;
-    work_together(work, batch->order_count,
-                  threads > 1 && eng_team_pays(all_ns) ? threads : 1, stage_item);
+    work->threads = threads > 1 && eng_team_pays(all_ns) ? threads : 1;
+    work_together(work, batch->order_count, work->threads, stage_item);
+    keep_rest(work);
     srv_request_return_slot(work->request);
 }
 
@@ -472,6 +528,15 @@ static uint32_t work_scenes(struct work *work)
         }
     }
     stage_scenes(work);
+    if (is_over(&work->question)) { /* who computes what matters no more */
+        take_all(work);
+        for (uint32_t i = 0; i < work->rest_count; i++) {
+            if (batch->items[batch->rest[i]].status == 0) {
+                answer_late(work, batch->rest[i]);
+            }
+        }
+        return work->threads;
+    }
     work->part = COMPUTE;
     work->rest_count = work_large(work, &rest_ns);
     uint32_t threads = work->question.threads < work->rest_count ? work->question.threads
@@ -612,23 +677,29 @@ static void part_joints(const struct work *work, uint64_t end)
     }
 }
 
-/* The table of segments, which lies behind that of the scenes. */
+/* Read the table of segments, which lies behind that of the scenes, in the slot or its
+ * copy. */
 static int copy_segments(struct work *work)
 {
+    const struct srv_request *request = work->request;
     const struct srv_slot_ref *slot = &work->params->slot;
-    struct srv_ring *ring = work->request->plan.ring;
-    struct proto_error *error = &work->request->error;
+    struct srv_ring *ring = request->plan.ring;
     uint64_t scenes_bytes = work->batch->count * sizeof(struct proto_batch_scene);
     uint64_t bytes = slot->segments * sizeof *work->batch->segments;
-    const uint8_t *payload = NULL;
-    int status = srv_ring_open_slot(ring, slot->slot, slot->seq, &payload, error);
+    const uint8_t *payload = request->copy;
+    bool is_kept = payload != NULL;
+    int status = is_kept ? 0
+                         : srv_ring_open_slot(ring, slot->slot, slot->seq, &payload,
+                                              &work->request->error);
     if (status != 0) {
         return status;
     }
     work->tables_bytes = scenes_bytes + bytes;
     memcpy(work->batch->segments, payload + scenes_bytes, bytes);
-    part_joints(work, ring->slot_stride);
-    return srv_ring_check_slot(ring, slot->slot, slot->seq, error);
+    part_joints(work, is_kept ? request->copy_bytes : ring->slot_stride);
+    return is_kept
+               ? 0
+               : srv_ring_check_slot(ring, slot->slot, slot->seq, &work->request->error);
 }
 
 /* Place for the answers, before anything moves. */
@@ -661,39 +732,130 @@ static void keep_records(struct srv_request *request, uint32_t threads)
     request->last_step = last;
 }
 
+/* All of a batch that has no answer: 0, or why none of it was done. */
+static int work_open(struct work *work)
+{
+    struct srv_request *request = work->request;
+    struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
+    int status = reserve_answers(request, work, result);
+    if (status != 0) {
+        return status;
+    }
+    result->threads = work_scenes(work);
+    status = write_records(request, work, result);
+    uint32_t late = count_late(work->batch);
+    if (status == 0) {
+        tell(work, late, result);
+    }
+    if (status == 0 && late > 0) {
+        srv_request_answer_now(request);
+    }
+    if (late > 0) {
+        move_late(work);
+    }
+    add_up(request, work);
+    keep_records(request, result->threads);
+    return status;
+}
+
 int srv_batch_work(struct srv_request *request)
 {
     const struct srv_step_params params =
         srv_step_params_of(request->method, &request->params);
-    struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
     struct srv_batch *batch = request->plan.batch;
-    struct work work = {.request = request, .params = &params, .batch = batch};
+    struct work work = {
+        .request = request, .params = &params, .batch = batch, .threads = 1};
     struct eng_question *question = &work.question;
+    bool is_early = srv_request_state(request) == SRV_REQUEST_EARLY;
     (void)srv_step_begin(request, &work.question);
     if (question->threads > batch->tally_count) { /* they have become more since */
         question->threads = batch->tally_count;
     }
+    srv_step_nothing(request, PCCD_INCOMPLETE_DEADLINE, &work.nothing);
     atomic_store_explicit(&batch->has_begun, true, memory_order_relaxed);
     srv_enginemem_begin(&work.memory, request->session->owner.user);
     int status = copy_segments(&work);
-    status = status != 0 ? status : reserve_answers(request, &work, result);
-    if (status == 0) {
-        result->threads = work_scenes(&work);
-        status = write_records(request, &work, result);
-        uint32_t late = count_late(batch);
-        if (status == 0) {
-            tell(&work, late, result);
-        }
-        if (status == 0 && late > 0) {
-            srv_request_answer_now(request);
-        }
-        if (late > 0) {
-            move_late(&work);
-        }
+    if (status == 0 && is_early) {
+        take_all(&work);
+        move_late(&work);
         add_up(request, &work);
-        keep_records(request, result->threads);
+    } else if (status == 0) {
+        status = work_open(&work);
     }
     srv_tracing_return(question->trace);
     (void)srv_request_claim(request);
     return status;
+}
+
+/* ---- before its turn --------------------------------------------------------------- */
+
+/* Write the answers of all scenes, none of which has begun; their numbers are not known.
+ * The queue is locked. */
+static bool write_nothing(struct srv_request *request)
+{
+    const struct srv_step_params params =
+        srv_step_params_of(request->method, &request->params);
+    struct srv_batch *batch = request->plan.batch;
+    struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
+    struct work work = {.request = request, .batch = batch};
+    bool is_cancelled = atomic_load_explicit(&request->job.cancel, memory_order_relaxed);
+    *result = (struct proto_BATCH_SUBMIT_result){
+        .step = params.step, .ns_queue = common_now_ns() - request->arrival_ns};
+    srv_thread_enter(SRV_THREAD_COMPUTE); /* whoever else uses the ring is held up */
+    int status = reserve_answers(request, &work, result);
+    srv_thread_enter(SRV_THREAD_LOOP);
+    if (status != 0) {
+        return false;
+    }
+    srv_step_nothing(request,
+                     is_cancelled ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_DEADLINE,
+                     &work.nothing);
+    for (uint32_t i = 0; i < batch->count; i++) {
+        const struct srv_item *item = &batch->items[i];
+        work.answers[i] = (struct pccd_scene_answer){.scene = item->event.scene};
+        if (item->scene == NULL) {
+            refuse(item, why_not(item->status), &work.answers[i], &batch->tallies[0]);
+        } else {
+            describe(&work.nothing, &work.answers[i]);
+        }
+    }
+    result->failed = batch->tallies[0].failed;
+    result->incomplete = batch->count - result->failed;
+    return true;
+}
+
+/* Return whether the loop may write its answers. */
+static bool is_small(const struct srv_batch *batch)
+{
+    return batch->count <= SRV_KEPT_BYTES / 2 / sizeof(struct pccd_scene_answer);
+}
+
+bool srv_batch_answer_early(struct srv_request *request, enum pccd_incomplete why)
+{
+    srv_assert_loop();
+    const struct srv_batch *batch = request->plan.batch;
+    struct srv_quota_user *user = request->session->owner.user;
+    struct proto_error error = {0};
+    uint8_t *copy = NULL;
+    uint64_t bytes = 0;
+    (void)why; /* its flag says it, too */
+    if (atomic_load_explicit(&request->state, memory_order_acquire) == SRV_REQUEST_OPEN) {
+        return srv_request_answer_early(request, &request->result, NULL, 0, NULL);
+    }
+    if (batch->shared_count > 0 || !is_small(batch)) {
+        return true; /* in its turn */
+    }
+    if (!srv_request_may_write(request)) {
+        return false;
+    }
+    if (srv_step_keep(request, &copy, &bytes, &error) != 0) {
+        return true; /* whoever stages it in its turn says why */
+    }
+    if (!srv_request_answer_early(request, &request->result, copy, bytes,
+                                  write_nothing)) {
+        srv_quota_refund(user, SRV_QUOTA_SHM_BYTES, bytes);
+        free(copy);
+        return false;
+    }
+    return true;
 }

@@ -57,4 +57,8 @@ void srv_batch_end(struct srv_batch *batch);
 /* Do the work of a plan for many scenes. [compute] */
 int srv_batch_work(struct srv_request *request);
 
+/* Answer a batch that is to end: one that waits for its turn (plan.answer_early), or is
+ * OPEN. [loop] */
+bool srv_batch_answer_early(struct srv_request *request, enum pccd_incomplete why);
+
 #endif

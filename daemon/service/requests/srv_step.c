@@ -173,6 +173,30 @@ void srv_step_nothing(const struct srv_request *request, enum pccd_incomplete wh
     describe(&nothing, params.is_near, params.step, answer);
 }
 
+int srv_step_keep(const struct srv_request *request, uint8_t **copy, uint64_t *bytes,
+                  struct proto_error *error)
+{
+    const struct srv_step_params params =
+        srv_step_params_of(request->method, &request->params);
+    struct srv_quota_user *user = request->session->owner.user;
+    struct srv_ring *ring = request->plan.ring;
+    uint64_t most =
+        ring->slot_stride < SRV_KEPT_BYTES ? ring->slot_stride : SRV_KEPT_BYTES;
+    uint64_t used = 0;
+    struct srv_slot_ref slot = params.slot;
+    slot.scenes_bytes = params.scenes * sizeof(struct proto_batch_scene);
+    int status = srv_quota_charge_shared(user, most, error);
+    if (status != 0) {
+        return status;
+    }
+    status = srv_stage_keep(ring, &slot, most, copy, &used, error);
+    if (status != 0) {
+        srv_quota_refund(user, SRV_QUOTA_SHM_BYTES, most);
+    }
+    *bytes = most;
+    return status;
+}
+
 void srv_step_note(struct srv_item *item, const struct proto_answer *answer)
 {
     struct proto_STEP_request *event = &item->event;
@@ -341,6 +365,8 @@ static int compute(struct srv_step_run *run)
     if (is_near) {
         *run->result = (struct eng_step_result){.open_object = 0};
         status = eng_near(scene->engine, run->question, run->result);
+    } else if (run->is_answered) {
+        status = eng_move(scene->engine, run->question, run->result);
     } else {
         status = eng_step(scene->engine, run->question, run->result);
     }
@@ -416,8 +442,9 @@ int srv_step_stage(struct srv_step_run *run)
     struct proto_error *error = run->staging.error;
     enum srv_request_state state = srv_request_state(run->request);
     bool is_staged = state == SRV_REQUEST_MOVED; /* what is brief goes on */
+    bool is_answered = run->is_answered || state == SRV_REQUEST_EARLY;
     struct eng_scene *engine = NULL;
-    int status = is_staged || state == SRV_REQUEST_EARLY ? 0 : take_owed(item, error);
+    int status = is_staged || is_answered ? 0 : take_owed(item, error);
     if (status != 0) {
         return status;
     }

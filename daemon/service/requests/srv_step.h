@@ -55,6 +55,7 @@ struct srv_step_run {
     const struct srv_step_params *params;
     const struct eng_question *question;
     uint64_t step;                  /* the client's number for it */
+    bool is_answered; /* of a batch: its client has the answer; it is only to move */
     struct srv_staging staging;     /* all but scene and member is the caller's */
     struct eng_step_result *result; /* filled in */
 };
@@ -75,6 +76,13 @@ int srv_step_work(struct srv_request *request);
  * srv_step_ask does, with a trace that is lent, to be returned (tracing.h). Returns the
  * time. [compute] */
 uint64_t srv_step_begin(struct srv_request *request, struct eng_question *question);
+
+#define SRV_KEPT_BYTES (2u << 20) /* half a millisecond, as a rule */
+/* Copy what a request uses of its slot, if that is at most SRV_KEPT_BYTES: for when it
+ * has been answered. *copy is of malloc, and charged as *bytes of SRV_QUOTA_SHM_BYTES.
+ * Returns 0, or a status with *error set: nothing is copied then. [any] */
+int srv_step_keep(const struct srv_request *request, uint8_t **copy, uint64_t *bytes,
+                  struct proto_error *error);
 
 /* Note how a scene's step went, for those who watch. [compute], [team] */
 void srv_step_note(struct srv_item *item, const struct proto_answer *answer);

@@ -466,11 +466,12 @@ static uint64_t end_of_joints(const struct srv_staging *staging, const uint8_t *
  * copied yet; 0: something is wrong with one, and the error is set. */
 static uint64_t extent_of(const struct srv_staging *staging, const uint8_t *payload)
 {
+    const uint8_t *table = staging->payload + staging->slot.scenes_bytes;
     uint64_t extent = staging->tables_bytes;
     for (uint32_t at = 0; at < staging->slot.segments; at++) {
         struct proto_segment segment;
         uint64_t bytes = 0;
-        memcpy(&segment, staging->payload + at * sizeof segment, sizeof segment);
+        memcpy(&segment, table + at * sizeof segment, sizeof segment);
         if (check_segment(staging, &segment, at, &bytes) != 0) {
             return 0;
         }
@@ -493,7 +494,8 @@ int srv_stage_keep(struct srv_ring *ring, const struct srv_slot_ref *slot,
     struct srv_staging staging = {
         .slot = *slot,
         .payload_bytes = bytes_max,
-        .tables_bytes = (uint64_t)slot->segments * sizeof(struct proto_segment),
+        .tables_bytes =
+            slot->scenes_bytes + (uint64_t)slot->segments * sizeof(struct proto_segment),
         .error = error,
     };
     const uint8_t *payload = NULL;

@@ -13,11 +13,12 @@ struct srv_slot_ref {
     uint32_t slot;
     uint32_t segments; /* 0: nothing moves */
     uint64_t seq;
+    uint64_t scenes_bytes; /* of the table before that of the segments; 0: no batch */
 };
 
 /* The slot of frame.submit, or of another message with these fields. */
 #define SRV_SLOT_OF(request)                                                             \
-    ((const struct srv_slot_ref){(request)->slot, (request)->segments, (request)->seq})
+    ((const struct srv_slot_ref){(request)->slot, (request)->segments, (request)->seq, 0})
 
 /* The table of joints that was staged last. All zeros: none was. */
 struct srv_joints {
