@@ -130,7 +130,8 @@ static void begin(struct trial *trial, uint64_t seed)
     uint32_t shared = PCCD_NO_JOINT;
     drawn->size = 1;
     bool is_thick = prng_below(&trial->prng, 2) == 0;
-    trial->separation = is_thick ? prng_between(&trial->prng, 0, 0.2) : 0;
+    bool is_apart = is_thick && prng_below(&trial->prng, 2);
+    trial->separation = is_apart ? prng_between(&trial->prng, 0, 0.2) : 0;
     for (uint32_t i = 0; i < OBJECTS; i++) {
         struct body *body = &trial->body[i];
         body->mesh = make_mesh(trial, body);

@@ -1,5 +1,6 @@
 /* test_eng_turning.c - two objects of which one turns, beside all their pairs of features
  * decided one by one. */
+#include "coordinates.h"
 #include "decide.h"
 #include "eng_kit.h"
 #include "eng_turns.h"
@@ -23,7 +24,8 @@ struct two {
     struct eng_question question;
     struct eng_path path;
     struct eng_poses poses;
-    double (*end)[3];
+    double (*end)[3]; /* of side 0, if it goes straight, where the second of these is */
+    double pose[2][12];
     uint32_t count[2]; /* found, and by brute force */
     struct pccd_contact records[2][RECORDS];
 };
@@ -47,15 +49,16 @@ static void put_object(struct two *two, struct prng *random, int side, bool turn
                      (const uint32_t(*)[3])two->triangles[side], TRIANGLES));
 }
 
-/* Angles of a few radians: what can be decided one by one in a test. */
+/* Angles of a few radians, or less: what can be decided one by one in a test. */
 static void make_joints(struct prng *random, struct pccd_joint joints[5])
 {
+    const double part = prng_below(random, 2) ? 1 : 0.1;
     turns_random(random, joints, 5, 1.2);
     for (uint32_t i = 0; i < 5; i++) {
         for (int k = 0; k < 3; k++) {
             joints[i].from[k] = fmod(joints[i].from[k], 4);
             joints[i].to[k] =
-                joints[i].from[k] + fmod(joints[i].to[k] - joints[i].from[k], 3);
+                joints[i].from[k] + part * fmod(joints[i].to[k] - joints[i].from[k], 3);
         }
     }
 }
@@ -79,11 +82,14 @@ static struct two *two_new(struct prng *random, bool both, bool deforms, bool tu
         struct eng_mesh *mesh = two->objects.side[0].object->mesh;
         two->end = calloc(VERTICES, sizeof *two->end);
         assert_non_null(two->end);
-        for (uint32_t i = 0; i < VERTICES; i++) {
-            for (int k = 0; k < 3; k++) {
-                two->end[i][k] = mesh->x[i][k] + prng_between(random, -0.5, 0.5);
-            }
+        for (int i = 0; i < 12; i++) {
+            two->pose[0][i] = i % 5 == 0;
+            two->pose[1][i] = two->pose[0][i] + prng_between(random, -0.4, 0.4);
         }
+        for (uint32_t i = 0; i < VERTICES; i++) {
+            common_transform(two->pose[1], mesh->x[i], two->end[i]);
+        }
+        two->objects.side[0].poses = (const double(*)[12])two->pose;
         struct eng_bounds bounds = eng_mesh_measure(mesh, (const double(*)[3])two->end);
         eng_bounds_unite(&bounds, &mesh->bounds);
         assert_ok(eng_body_fit(&two->body[0], mesh, (const double(*)[3])mesh->x,
@@ -91,7 +97,7 @@ static struct two *two_new(struct prng *random, bool both, bool deforms, bool tu
     }
     two->objects.joints = two->joints;
     two->objects.clearance = ENG_PAIR_PLAIN;
-    two->objects.resolution = 1e-5;
+    two->objects.resolution = prng_below(random, 3) ? 1e-5 : 0.03;
     two->question = (struct eng_question)ENG_QUESTION_DEFAULT;
     eng_pool_init(&two->pool);
     assert_ok(eng_worker_init(&two->worker));
@@ -292,14 +298,16 @@ static void check_tries(struct two *two)
 }
 
 /* If it failed: contacts would be missed, invented or told twice, or depend on the tree,
- * on how the work is divided, or on what else is asked. */
+ * on whether chords or spans find them, on how the work is divided, or on what else is
+ * asked. */
 CASE(turning__finds_what_all_pairs_say)
 {
     struct prng random = {prng_seed()};
     uint64_t found = 0;
     for (int n = 0; n < 60; n++) {
         struct two *two = two_new(&random, n % 3 == 0, n % 3 == 1, false);
-        if (n % 4 == 0) {
+        bool is_thick = n % 4 == 0;
+        if (is_thick) {
             two->objects.separation = 0.01;
             for (int i = 0; i < 2; i++) {
                 const struct eng_object_thickness thick = {.has_radius = true,
@@ -308,14 +316,18 @@ CASE(turning__finds_what_all_pairs_say)
             }
         }
         decide_all(two);
-        for (uint32_t most = 1; most <= 64; most *= 8) {
-            find(two, PCCD_MODE_ALL, most);
-            check_records(two);
+        for (int by_chords = 0; by_chords <= !is_thick; by_chords++) {
+            two->objects.way = by_chords ? ENG_TURNING_BY_CHORDS : ENG_TURNING_BY_SPANS;
+            for (uint32_t most = 1; most <= 64; most *= 8) {
+                find(two, PCCD_MODE_ALL, most);
+                check_records(two);
+            }
+            find(two, PCCD_MODE_FIRST, 1);
+            check_first(two);
+            find(two, PCCD_MODE_ANY, 1);
+            assert_int_equal(two->worker.proved_seen > 0, has_proved(two));
         }
-        find(two, PCCD_MODE_FIRST, 1);
-        check_first(two);
-        find(two, PCCD_MODE_ANY, 1);
-        assert_int_equal(two->worker.proved_seen > 0, has_proved(two));
+        two->objects.way = ENG_TURNING_BY_SPANS;
         check_tries(two);
         found += two->count[1];
         two_free(two);

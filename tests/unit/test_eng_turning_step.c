@@ -271,14 +271,18 @@ CASE(turning__sweeps_more_than_its_chords)
     struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 0.15);
     joint.from[0] = -0.05;
     struct eng_question settings = ENG_QUESTION_DEFAULT;
-    kit_begin_with(kit_box((const double[3]){9.95, -0.05, -0.05},
-                           (const double[3]){10.05, 0.05, 0.05}, false),
-                   kit_box((const double[3]){10.047, -0.01, -1},
-                           (const double[3]){10.2, 0.01, 1}, false));
-    check_staging(kit.scene, kit.idx[0], &joint);
-    struct eng_step_result result = kit_step(kit.scene, &settings);
-    assert_true(result.count > 0);
-    assert_true(result.toi_first > 0.05 && result.toi_first < 0.25);
+    for (int by_chords = 0; by_chords < 2; by_chords++) {
+        settings.team_always = by_chords;
+        kit_begin_with(kit_box((const double[3]){9.95, -0.05, -0.05},
+                               (const double[3]){10.05, 0.05, 0.05}, false),
+                       kit_box((const double[3]){10.047, -0.01, -1},
+                               (const double[3]){10.2, 0.01, 1}, false));
+        kit_step(kit.scene, &settings);
+        check_staging(kit.scene, kit.idx[0], &joint);
+        struct eng_step_result result = kit_step(kit.scene, &settings);
+        assert_true(result.count > 0);
+        assert_true(result.toi_first > 0.05 && result.toi_first < 0.25);
+    }
 }
 
 /* If it failed: an answer would depend on the way in which it was found, or on the steps

@@ -717,6 +717,18 @@ static bool fit(const struct eng_body *body, const struct eng_body_tree *tree,
     return true;
 }
 
+void eng_body_put(struct eng_body *body, const struct eng_mesh *mesh,
+                  const double (*x0)[3], const double (*x1)[3],
+                  const struct eng_bounds *bounds)
+{
+    body->mesh = mesh;
+    body->x[0] = x0;
+    body->x[1] = x1;
+    body->boxes[0] = NULL;
+    body->boxes[1] = x0 == x1 ? NULL : eng_body_tree_of(mesh)->boxes; /* it moves */
+    set_box(bounds, &body->box, body->origin);
+}
+
 int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
                  const double (*x0)[3], const double (*x1)[3],
                  const struct eng_bounds *bounds)

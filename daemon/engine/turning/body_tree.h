@@ -91,6 +91,12 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
                  const double (*x0)[3], const double (*x1)[3],
                  const struct eng_bounds *bounds);
 
+/* Take positions in the world as eng_body_fit does, but without boxes: for what goes by
+ * the boxes of the mesh, where poses take it (straight.h). */
+void eng_body_put(struct eng_body *body, const struct eng_mesh *mesh,
+                  const double (*x0)[3], const double (*x1)[3],
+                  const struct eng_bounds *bounds);
+
 /* Divide work on two trees into at most `most` >= 1 tasks; the first, 0, is all of it.
  * `part` writes what a task divides into, at most four, and returns how many: itself
  * alone, if it cannot be divided. Returns how many tasks there are. */

@@ -786,7 +786,7 @@ static void begin(struct decider *decider)
     decider->still_error = 8 * ENG_U * decider->still_size + ENG_TINY;
     decider->bend =
         eng_path_bend_of(decider->poses->path, pair->x[0] + decider->first_turning,
-                         decider->end_turning - decider->first_turning);
+                         decider->end_turning - decider->first_turning, 0);
     decider->at_most = eng_thick_reach(pair->radius);
     decider->at_least = eng_thick_sum(pair->radius) * (1 - 4 * ENG_U);
     decider->is_thin = decider->at_most == 0;

@@ -56,13 +56,14 @@ static inline void measure(const double m[12], const double x[3],
     measured->size = eng_most(measured->size, eng_size(x));
 }
 
+/* Return the pace of all that is within `around` of what was measured. */
 static struct eng_pace pace_of(const struct eng_path *path,
-                               const struct measured *measured, double t1)
+                               const struct measured *measured, double around, double t1)
 {
-    double error = path->error[0] + path->error[1] * measured->size;
+    double error = path->error[0] + path->error[1] * (measured->size + around);
     double flat = sqrt(measured->flat) * ENG_PACE_SLOP + ENG_PACE_LOST;
     double far = sqrt(measured->far) * ENG_PACE_SLOP + ENG_PACE_LOST;
-    return eng_pace_bound(path, flat + error, far + error, t1);
+    return eng_pace_bound(path, flat + around + error, far + around + error, t1);
 }
 
 static struct eng_pace pace_of_box(const struct eng_path *path,
@@ -75,7 +76,7 @@ static struct eng_pace pace_of_box(const struct eng_path *path,
                                   i & 4 ? box->hi[2] : box->lo[2]};
         measure(path->last, corner, &measured);
     }
-    return pace_of(path, &measured, t1);
+    return pace_of(path, &measured, 0, t1);
 }
 
 double eng_path_speed(const struct eng_path *path, const struct eng_path_box *box,
@@ -92,13 +93,14 @@ double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box
     return pace_of_box(path, box, t1).bend;
 }
 
-double eng_path_bend_of(const struct eng_path *path, const double (*x)[3], uint32_t count)
+double eng_path_bend_of(const struct eng_path *path, const double (*x)[3], uint32_t count,
+                        double around)
 {
     struct measured measured = {0, 0, 0};
     for (uint32_t i = 0; i < count; i++) {
         measure(path->last, x[i], &measured);
     }
-    return pace_of(path, &measured, 1).bend;
+    return pace_of(path, &measured, around, 1).bend;
 }
 
 /* Set way[0] + way[1] |b| to at least how far a point b of the link goes within a time h:

@@ -84,9 +84,10 @@ double eng_path_speed(const struct eng_path *path, const struct eng_path_box *bo
 double eng_path_bend(const struct eng_path *path, const struct eng_path_box *box,
                      double t0, double t1);
 
-/* Return the same bound of |x''| in the whole step for what is between some points. */
-double eng_path_bend_of(const struct eng_path *path, const double (*x)[3],
-                        uint32_t count);
+/* Return the same bound of |x''| in the whole step for what is between some points, or
+ * within `around` of that. */
+double eng_path_bend_of(const struct eng_path *path, const double (*x)[3], uint32_t count,
+                        double around);
 
 /* A span of time, and how far points leave their chords in it: the exact place of a point
  * b is never farther than the length of m b and the error from where the chord between

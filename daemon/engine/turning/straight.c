@@ -1,4 +1,4 @@
-/* straight.c - two trees against each other, both of which go straight. */
+/* straight.c - two trees against each other, both of which go straight, or nearly. */
 #include "straight.h"
 
 #include <float.h>
@@ -48,8 +48,13 @@ typedef eng_f4 f4;
 struct view {
     const struct eng_object *object;
     uint32_t index; /* of the object */
-    const struct eng_body *body;
     const struct eng_body_tree *tree;
+    const struct eng_body_boxes *boxes;
+    const struct eng_path_box *box; /* around all of these */
+    const double *origin;
+    const double *pose[2];
+    const double (*x[2])[3]; /* positions at both ends .. */
+    bool is_placed;          /* .. once the poses have taken them there */
     float r[2][AXES][3];
     float most[AXES][3]; /* the larger magnitude of both ends */
     float off[2][AXES];
@@ -75,8 +80,8 @@ struct item {
 /* A feature of a candidate. */
 struct feature {
     uint32_t object; /* index */
-    uint32_t first;  /* the vertex, the lower end of the edge, or the leaf */
-    uint32_t second; /* the higher end */
+    uint32_t leaf;   /* that owns it .. */
+    uint32_t place;  /* .. and which vertex, or edge, of that it is */
 };
 
 struct chunk {
@@ -89,7 +94,9 @@ struct eng_straight {
     struct eng_worker *worker;
     struct view side[2];
     int axes;     /* AXES_OWN or AXES */
-    float margin; /* for the rounding of a gap, and of positions */
+    float margin; /* for the rounding of a gap, and of positions; and reach of chords */
+    bool bends;   /* one of the two turns; then these are its chords */
+    struct eng_straight_chords chords;
     uint32_t looks;
     bool stops;
     struct {
@@ -100,6 +107,8 @@ struct eng_straight {
     uint32_t point_count;
     struct eng_point points[POINTS];
     struct chunk chunks[KINDS];
+    uint32_t kept[ENG_CHUNK_MAX]; /* of a chunk */
+    double reaches[ENG_CHUNK_MAX];
 };
 
 int eng_straight_make(struct eng_straight **straight)
@@ -130,11 +139,6 @@ uint64_t eng_straight_bytes(const struct eng_straight *straight)
 
 static const double stands[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-static const double *pose_of(const struct view *view, int end)
-{
-    return view->object->has_poses ? view->object->poses->last[end] : stands;
-}
-
 static void shorten(double x[3])
 {
     double length = sqrt(eng_dot(x, x));
@@ -146,10 +150,8 @@ static void shorten(double x[3])
 /* Where an axis of its frame lies half way; one of the world if it has no direction. */
 static void set_axis(const struct view *view, int k, double axis[3])
 {
-    const double *m0 = pose_of(view, 0);
-    const double *m1 = pose_of(view, 1);
     for (int i = 0; i < 3; i++) {
-        axis[i] = 0.5 * m0[4 * i + k] + 0.5 * m1[4 * i + k];
+        axis[i] = 0.5 * view->pose[0][4 * i + k] + 0.5 * view->pose[1][4 * i + k];
     }
     double size = eng_size(axis);
     if (size > LENGTH_LEAST && size < LENGTH_MOST) {
@@ -185,11 +187,11 @@ static void place(const double m[12], const double x[3], double at[3])
 static void set_view(struct view *view, const double axes[AXES][3],
                      const double from[2][3])
 {
-    view->turns = memcmp(pose_of(view, 0), pose_of(view, 1), 12 * sizeof(double)) != 0;
+    view->turns = memcmp(view->pose[0], view->pose[1], 12 * sizeof(double)) != 0;
     for (int end = 0; end < 2; end++) {
-        const double *m = pose_of(view, end);
+        const double *m = view->pose[end];
         double at[3];
-        place(m, view->body->origin, at);
+        place(m, view->origin, at);
         eng_sub(at, at, from[end]);
         for (int k = 0; k < AXES; k++) {
             view->off[end][k] = (float)eng_dot(axes[k], at);
@@ -212,7 +214,7 @@ static void set_view(struct view *view, const double axes[AXES][3],
  * where it is. */
 static double reach_of(const struct view *view)
 {
-    const struct eng_path_box *box = &view->body->box;
+    const struct eng_path_box *box = view->box;
     double half = 0;
     double far = 0;
     double reach = 0;
@@ -221,7 +223,7 @@ static double reach_of(const struct view *view)
         far += eng_most(fabs(box->lo[k]), fabs(box->hi[k]));
     }
     for (int end = 0; end < 2; end++) {
-        const double *m = pose_of(view, end);
+        const double *m = view->pose[end];
         double squares = 0;
         double shift = 0;
         for (int i = 0; i < 3; i++) {
@@ -234,8 +236,23 @@ static double reach_of(const struct view *view)
     return reach;
 }
 
-void eng_straight_begin(struct eng_straight *straight, struct eng_worker *worker,
-                        const struct eng_turning_side side[2])
+static void set_side(struct view *view, const struct eng_turning_side *side)
+{
+    view->object = side->object;
+    view->tree = eng_body_tree_of(side->object->mesh);
+    view->boxes = side->poses ? view->tree->boxes : side->body->boxes[0];
+    view->box = side->poses ? &view->tree->box : &side->body->box;
+    view->origin = side->poses ? view->tree->origin : side->body->origin;
+    view->pose[0] = side->poses ? side->poses[0] : stands;
+    view->pose[1] = side->poses ? side->poses[1] : stands;
+    view->x[0] = side->body->x[0];
+    view->x[1] = side->body->x[1];
+    view->is_placed = side->joint != PCCD_NO_JOINT;
+}
+
+void eng_straight_begin(struct eng_straight *straight,
+                        const struct eng_turning_side side[2],
+                        const struct eng_straight_chords *chords)
 {
     double axes[AXES][3] = {{0}};
     double from[2][3];
@@ -243,14 +260,14 @@ void eng_straight_begin(struct eng_straight *straight, struct eng_worker *worker
     double way[3] = {0, 0, 0};
     double apart = 0;
     double size = INFINITY;
-    straight->worker = worker;
+    straight->bends = chords != NULL;
+    if (chords) {
+        straight->chords = *chords;
+    }
     straight->stops = false;
     for (int i = 0; i < 2; i++) {
         struct view *view = &straight->side[i];
-        view->object = side[i].object;
-        view->index = (uint32_t)(view->object - worker->scene->objects);
-        view->body = side[i].body;
-        view->tree = eng_body_tree_of(view->body->mesh);
+        set_side(view, &side[i]);
         straight->corners[i].is_there = false;
         for (int k = 0; k < 3; k++) {
             set_axis(view, k, axes[3 * i + k]);
@@ -259,8 +276,8 @@ void eng_straight_begin(struct eng_straight *straight, struct eng_worker *worker
     }
     for (int end = 0; end < 2; end++) {
         double far = 0;
-        place(pose_of(&straight->side[0], end), side[0].body->origin, from[end]);
-        place(pose_of(&straight->side[1], end), side[1].body->origin, to[end]);
+        place(straight->side[0].pose[end], straight->side[0].origin, from[end]);
+        place(straight->side[1].pose[end], straight->side[1].origin, to[end]);
         for (int k = 0; k < 3; k++) {
             far += fabs(to[end][k] - from[end][k]);
             way[k] += (to[end][k] - from[end][k]) * (end == 1 ? 1 : -1);
@@ -276,7 +293,8 @@ void eng_straight_begin(struct eng_straight *straight, struct eng_worker *worker
     set_view(&straight->side[0], (const double(*)[3])axes, (const double(*)[3])from);
     set_view(&straight->side[1], (const double(*)[3])axes, (const double(*)[3])from);
     double reach = reach_of(&straight->side[0]) + reach_of(&straight->side[1]) + apart;
-    straight->margin = eng_round_up(ROUNDING * reach + LEAST);
+    double least = chords ? chords->reach * (1 + ROUNDING) : 0;
+    straight->margin = eng_round_up(ROUNDING * reach + LEAST + least);
 }
 
 /* ---- nodes ------------------------------------------------------------------------- */
@@ -333,7 +351,7 @@ static unsigned children_of(const struct view *view, uint32_t node)
 static unsigned may_meet(struct eng_straight *straight, const struct view *view,
                          uint32_t node, const struct item *other, struct shadows *shadows)
 {
-    const struct eng_body_boxes *boxes = &view->body->boxes[0][node];
+    const struct eng_body_boxes *boxes = &view->boxes[node];
     const f4 until = all4(straight->worker->box_bound < 1 ? straight->worker->box_bound
                                                           : 1);
     const struct shadows *of = other->shadows;
@@ -369,12 +387,10 @@ static struct item item_of(const struct eng_straight *straight, const struct vie
                            uint32_t ref, struct shadows *shadows)
 {
     struct eng_body_boxes root = {{{0}}, {{0}}};
-    const struct eng_body *body = view->body;
-    const struct eng_body_boxes *boxes =
-        ref == 0 ? &root : &body->boxes[0][(ref - 1) / 4];
+    const struct eng_body_boxes *boxes = ref == 0 ? &root : &view->boxes[(ref - 1) / 4];
     for (int k = 0; k < 3; k++) {
-        double half = eng_most(body->box.hi[k] - body->origin[k],
-                               body->origin[k] - body->box.lo[k]);
+        double half = eng_most(view->box->hi[k] - view->origin[k],
+                               view->origin[k] - view->box->lo[k]);
         root.half[k][0] = eng_round_up(half * (1 + 0x1p-20) + LEAST);
     }
     for (int k = 0; k < straight->axes; k++) {
@@ -401,6 +417,18 @@ static int opened_of(const struct item *a, const struct item *b)
 
 /* ---- candidates -------------------------------------------------------------------- */
 
+static uint32_t number_of(const struct eng_mesh *mesh, const struct feature *feature,
+                          uint32_t points)
+{
+    const uint32_t *v = mesh->leaves[feature->leaf].v;
+    const uint32_t first = v[feature->place];
+    const uint32_t second = v[(feature->place + 1) % 3];
+    return points == 1      ? first
+           : points == 3    ? feature->leaf
+           : first < second ? eng_mesh_edge(mesh, first, second)
+                            : eng_mesh_edge(mesh, second, first);
+}
+
 static void name_pairs(const struct eng_worker *worker, enum pccd_kind kind,
                        const uint32_t *index, uint32_t count, struct pccd_pair *names)
 {
@@ -413,12 +441,33 @@ static void name_pairs(const struct eng_worker *worker, enum pccd_kind kind,
             const struct eng_object *object =
                 &worker->scene->objects[features[side].object];
             id[side] = object->id;
-            number[side] = common_kinds[kind].points[side] == 2
-                               ? eng_mesh_edge(object->mesh, features[side].first,
-                                               features[side].second)
-                               : features[side].first;
+            number[side] =
+                number_of(object->mesh, &features[side], common_kinds[kind].points[side]);
         }
         names[i] = (struct pccd_pair){kind, id[0], number[0], id[1], number[1]};
+    }
+}
+
+/* Have those pairs of a chunk taken, one by one, whose chords come near. */
+static void take_near(struct eng_straight *straight, enum pccd_kind kind)
+{
+    const struct chunk *chunk = &straight->chunks[kind];
+    const struct eng_straight_chords *chords = &straight->chords;
+    const struct eng_quads quads = {kind, straight->points,
+                                    (const uint32_t(*)[4])chunk->quads};
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        straight->reaches[i] = chords->reach;
+    }
+    const uint32_t count = eng_kernels()->reject_thick(quads, chunk->count,
+                                                       straight->reaches, straight->kept);
+    for (uint32_t i = 0; i < count && !straight->stops; i++) {
+        const struct feature *features = chunk->features[straight->kept[i]];
+        const struct eng_sweep_pair pair = {
+            .kind = kind,
+            .side_a = features[0].object == straight->side[0].index ? 0 : 1,
+            .leaf = {features[0].leaf, features[1].leaf},
+            .place = {features[0].place, features[1].place}};
+        straight->stops = !chords->take(chords->owner, &pair);
     }
 }
 
@@ -433,8 +482,12 @@ static void test(struct eng_straight *straight, enum pccd_kind kind)
                               .quads = (const uint32_t(*)[4])chunk->quads};
     if (chunk->count > 0 && !eng_stop_is_set(worker->stop)) {
         uint64_t begin_ns = common_now_ns();
-        eng_count_candidates(worker, kind, chunk->count);
-        eng_narrow_test(worker, &pairs, name_pairs);
+        if (straight->bends) {
+            take_near(straight, kind);
+        } else {
+            eng_count_candidates(worker, kind, chunk->count);
+            eng_narrow_test(worker, &pairs, name_pairs);
+        }
         eng_count_test_time(worker, kind, chunk->count, begin_ns);
     }
     chunk->count = 0;
@@ -453,7 +506,6 @@ static void flush(struct eng_straight *straight)
 /* Have the corners of a leaf among the points; returns where. */
 static uint32_t corners_of(struct eng_straight *straight, int side, uint32_t leaf)
 {
-    const struct eng_scene *scene = straight->worker->scene;
     const struct view *view = &straight->side[side];
     const uint32_t *v = view->object->mesh->leaves[leaf].v;
     if (straight->corners[side].is_there && straight->corners[side].leaf == leaf) {
@@ -463,8 +515,12 @@ static uint32_t corners_of(struct eng_straight *straight, int side, uint32_t lea
     for (uint32_t i = 0; i < LEAF_POINTS; i++) {
         struct eng_point *point = &straight->points[first + i];
         uint32_t vertex = view->object->vertices.first + v[i];
-        memcpy(point->x0, scene->x[1 - scene->now][vertex], sizeof point->x0);
-        memcpy(point->x1, scene->x[scene->now][vertex], sizeof point->x1);
+        memcpy(point->x0, view->x[0][v[i]], sizeof point->x0);
+        memcpy(point->x1, view->x[1][v[i]], sizeof point->x1);
+        if (view->is_placed) {
+            place(view->pose[0], view->x[0][v[i]], point->x0);
+            place(view->pose[1], view->x[1][v[i]], point->x1);
+        }
         point->word0 = (uint64_t)view->index << 32 | vertex;
         point->word1 = (uint64_t)view->object->id << 32 | v[i];
     }
@@ -490,7 +546,7 @@ static void add_vf(struct chunk *chunk, const struct leaf *a, const struct leaf 
         uint32_t i = (uint32_t)__builtin_ctz(owned);
         uint32_t *quad = chunk->quads[chunk->count];
         struct feature *features = chunk->features[chunk->count++];
-        features[0] = (struct feature){a->object, a->face->v[i], 0};
+        features[0] = (struct feature){a->object, a->number, i};
         features[1] = (struct feature){b->object, b->number, 0};
         quad[0] = a->first + i;
         for (uint32_t k = 0; k < 3; k++) {
@@ -505,11 +561,9 @@ static void put_edge(const struct leaf *leaf, uint32_t i, struct feature *featur
 {
     uint32_t k = (i + 1) % 3;
     bool is_turned = leaf->face->v[i] > leaf->face->v[k];
-    uint32_t low = is_turned ? k : i;
-    uint32_t high = is_turned ? i : k;
-    *feature = (struct feature){leaf->object, leaf->face->v[low], leaf->face->v[high]};
-    quad[0] = leaf->first + low;
-    quad[1] = leaf->first + high;
+    *feature = (struct feature){leaf->object, leaf->number, i};
+    quad[0] = leaf->first + (is_turned ? k : i);
+    quad[1] = leaf->first + (is_turned ? i : k);
 }
 
 /* `a` is of the object with the lower id. */
@@ -606,17 +660,33 @@ static uint32_t divide(void *owner, uint64_t task, uint64_t parts[4])
     return count;
 }
 
-uint32_t eng_straight_split(struct eng_straight *straight, uint32_t most, uint64_t *tasks)
+static void set_worker(struct eng_straight *straight, struct eng_worker *worker)
 {
+    straight->worker = worker;
+    for (int i = 0; i < 2; i++) {
+        struct view *view = &straight->side[i];
+        view->index = (uint32_t)(view->object - worker->scene->objects);
+    }
+}
+
+uint32_t eng_straight_split(struct eng_straight *straight, struct eng_worker *worker,
+                            uint32_t most, uint64_t *tasks)
+{
+    set_worker(straight, worker);
     return eng_body_split(most, tasks, divide, straight);
 }
 
-void eng_straight_perform(struct eng_straight *straight, uint64_t task)
+void eng_straight_perform(struct eng_straight *straight, struct eng_worker *worker,
+                          uint64_t task)
 {
     struct shadows of[2];
+    set_worker(straight, worker);
     struct item a = item_of(straight, &straight->side[0], (uint32_t)(task >> 32), &of[0]);
     struct item b = item_of(straight, &straight->side[1], (uint32_t)task, &of[1]);
     join(straight, &a, &b);
+    if (straight->bends) {
+        flush(straight);
+    }
 }
 
 void eng_straight_end(struct eng_straight *straight, struct eng_worker *worker)

@@ -16,12 +16,20 @@
  * all the time, that it could not be decided, either. */
 #define TESTS_MOST (1ull << 28)
 
+/* Two objects turn little where one goes no farther than that part of the smaller one,
+ * and leaves its chords by no more than that part of a triangle, about. */
+#define WAY_PART 0.5
+#define BOW_PART 0.25
+
 struct eng_turning {
     struct eng_turning_side side[2]; /* the first is what the second is seen from */
     struct eng_path path;            /* between them */
     struct eng_path place;           /* of the first in the world */
     struct eng_poses poses;
     struct eng_sweep sweep;
+    struct eng_straight *straight;
+    double chords[2][12]; /* poses of the second at both ends, if it goes by chords */
+    bool by_chords;
     double separation;
     double clearance; /* in the place of the radii; negative: there is none */
     double delta;
@@ -40,7 +48,11 @@ int eng_turning_make(struct eng_turning **turning)
         return PCCD_E_NOMEM;
     }
     int status = eng_sweep()->init(&made->sweep);
+    if (status == PCCD_OK) {
+        status = eng_straight_make(&made->straight);
+    }
     if (status != PCCD_OK) {
+        eng_sweep()->deinit(&made->sweep);
         eng_free(made);
         return status;
     }
@@ -52,13 +64,16 @@ void eng_turning_free(struct eng_turning *turning)
 {
     if (turning) {
         eng_sweep()->deinit(&turning->sweep);
+        eng_straight_free(turning->straight);
         eng_free(turning);
     }
 }
 
 uint64_t eng_turning_bytes(const struct eng_turning *turning)
 {
-    return turning ? sizeof *turning + eng_sweep()->bytes(&turning->sweep) : 0;
+    return turning ? sizeof *turning + eng_sweep()->bytes(&turning->sweep) +
+                         eng_straight_bytes(turning->straight)
+                   : 0;
 }
 
 /* ---- two objects ------------------------------------------------------------------- */
@@ -154,6 +169,62 @@ static bool should_stop(void *owner)
     return stops;
 }
 
+struct eng_turning_bend eng_turning_bend_of(const struct eng_path *path,
+                                            const struct eng_mesh *mesh)
+{
+    struct eng_path_box box;
+    double middle[1][3];
+    memcpy(box.lo, mesh->bounds.low, sizeof box.lo);
+    memcpy(box.hi, mesh->bounds.high, sizeof box.hi);
+    eng_mesh_middle(mesh, middle[0]);
+    return (struct eng_turning_bend){
+        eng_path_bend_of(path, (const double(*)[3])middle, 1, mesh->radius) / 8,
+        eng_path_speed(path, &box, 0, 1)};
+}
+
+bool eng_turning_bends_little(const struct eng_turning_bend *bend,
+                              const struct eng_mesh *a, const struct eng_mesh *b)
+{
+    const struct eng_mesh *const meshes[2] = {a, b};
+    bool is_little = true;
+    for (int i = 0; i < 2; i++) {
+        const double size = eng_bounds_size(&meshes[i]->bounds);
+        is_little &= bend->way <= WAY_PART * size &&
+                     bend->bow <= BOW_PART * size / sqrt(meshes[i]->leaf_count);
+    }
+    return is_little;
+}
+
+/* Begin to go by chords, if that is wanted. */
+static void begin_chords(struct eng_turning *turning, enum eng_turning_way way)
+{
+    struct eng_turning_side side[2] = {turning->side[0], turning->side[1]};
+    const struct eng_mesh *mesh = side[1].object->mesh;
+    turning->by_chords = way != ENG_TURNING_BY_SPANS;
+    if (!turning->by_chords) {
+        return;
+    }
+    const struct eng_turning_bend bend = eng_turning_bend_of(&turning->path, mesh);
+    if (way == ENG_TURNING_BY_BEND) {
+        turning->by_chords = eng_turning_bends_little(&bend, side[0].object->mesh, mesh);
+    }
+    double error = 0;
+    for (int end = 0; end < 2; end++) {
+        const struct eng_path_pose *pose = eng_poses_at(&turning->poses, end);
+        memcpy(turning->chords[end], pose->m, sizeof pose->m);
+        error = eng_most(error,
+                         pose->error[0] + pose->error[1] * size_of(&side[1].body->box));
+    }
+    if (turning->by_chords) {
+        side[1].poses = (const double(*)[12])turning->chords;
+        const struct eng_straight_chords chords = {
+            .reach = (turning->sweep.keep + bend.bow + 2 * error) * (1 + 0x1p-40),
+            .take = take,
+            .owner = turning};
+        eng_straight_begin(turning->straight, side, &chords);
+    }
+}
+
 int eng_turning_begin(struct eng_turning *turning,
                       const struct eng_turning_objects *objects)
 {
@@ -189,7 +260,10 @@ int eng_turning_begin(struct eng_turning *turning,
     sweep->take = take;
     sweep->should_stop = should_stop;
     sweep->owner = turning;
-    eng_sweep()->begin(sweep);
+    begin_chords(turning, objects->way);
+    if (!turning->by_chords) {
+        eng_sweep()->begin(sweep);
+    }
     return PCCD_OK;
 }
 
@@ -375,6 +449,10 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
     turning->worker = worker;
     turning->is_bounded = false; /* the tasks are the same whatever has been found */
     take_bound(turning);
+    if (turning->by_chords) {
+        *count = eng_straight_split(turning->straight, worker, most, tasks);
+        return PCCD_OK;
+    }
     *count = eng_sweep()->split(&turning->sweep, most, tasks);
     return turning->sweep.status;
 }
@@ -394,6 +472,10 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
     turning->has_limit = false;
     turning->is_bounded = true;
     take_bound(turning);
+    if (turning->by_chords) {
+        eng_straight_perform(turning->straight, worker, task);
+        return turning->has_limit ? PCCD_E_LIMIT : PCCD_OK;
+    }
     int status = eng_sweep()->run(sweep, task);
     count(turning);
     return status == PCCD_OK && turning->has_limit ? PCCD_E_LIMIT : status;
@@ -403,6 +485,7 @@ bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
                      uint64_t tests)
 {
     struct eng_sweep *sweep = &turning->sweep;
+    assert(!turning->by_chords);
     turning->worker = worker;
     turning->has_limit = false;
     turning->only_proves = true;

@@ -1,6 +1,7 @@
 /* turning.h - the contacts of two objects of which one turns.
  *
  *     sweep.c     pairs of features that may meet, and when
+ *     straight.c  or, where it turns a little: pairs whose chords come near
  *     -> decide_turning.c     each of them
  *     -> team/worker.c    records, as the mode wants them
  *
@@ -19,15 +20,16 @@
 #ifndef ENG_TURNING_H
 #define ENG_TURNING_H
 
-#include "body_tree.h"
-#include "worker.h"
-#include "world.h"
+#include "straight.h"
 
-/* An object of a pair. */
-struct eng_turning_side {
-    const struct eng_object *object;
-    const struct eng_body *body;
-    uint32_t joint; /* that it hangs on; PCCD_NO_JOINT: it does not turn */
+/* Which of two ways to find pairs of features is taken: spans of the step, or the chords
+ * of all of it. Either finds all that meet. */
+enum eng_turning_way { ENG_TURNING_BY_SPANS, ENG_TURNING_BY_BEND, ENG_TURNING_BY_CHORDS };
+
+/* The most that points of a body that turns leave their chords in the step, and go. */
+struct eng_turning_bend {
+    double bow;
+    double way;
 };
 
 /* The default of `resolution`, as a part of the size of the larger of two objects. */
@@ -44,6 +46,9 @@ struct eng_turning_objects {
      * to that. */
     double resolution;
     uint64_t tests_most; /* of boxes, by a task; 0: the default. Fewer are for tests */
+    /* Chords: nothing is thick, and what does not turn has poses, or stands. BY_BEND:
+     * these, if eng_turning_bends_little; both turn, or stand. */
+    enum eng_turning_way way;
 };
 
 /* A task: the nodes of both sides whose leaves are tested against each other. */
@@ -56,6 +61,15 @@ struct eng_turning;
 int eng_turning_make(struct eng_turning **turning);
 void eng_turning_free(struct eng_turning *turning); /* NULL is allowed */
 uint64_t eng_turning_bytes(const struct eng_turning *turning);
+
+/* Return how an object with such a mesh bends its way, as the path takes it. */
+struct eng_turning_bend eng_turning_bend_of(const struct eng_path *path,
+                                            const struct eng_mesh *mesh);
+
+/* Return whether two objects move so little beside each other, as the way of one of them
+ * is seen from the other, that chords of the whole step take less time than spans. */
+bool eng_turning_bends_little(const struct eng_turning_bend *bend,
+                              const struct eng_mesh *a, const struct eng_mesh *b);
 
 /* Get ready for two objects, which must stay until the next. PCCD_E_LIMIT: too many
  * joints between the two. Costs about as much as a few tests of boxes. */
@@ -87,7 +101,7 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
 /* Look for what is proved to meet with so many tests of boxes and leaves, and record it.
  * Returns whether there is nothing else to be known; if not, nothing that is only
  * possible was recorded, and the two have to begin anew. For mode any, which ends at the
- * first proof. */
+ * first proof; by spans. */
 bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
                      uint64_t tests);
 

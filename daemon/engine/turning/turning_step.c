@@ -170,6 +170,7 @@ static void set_turning(struct eng_turning_step *step, const struct eng_object *
                                   &step->path);
     assert(status == PCCD_OK); /* as it was when it was staged */
     (void)status;
+    step->parts[item->object].bend = eng_turning_bend_of(&step->path, mesh);
     double sagitta = eng_path_bend(&step->path, &box, 0, 1) / 8;
     double enough = 0.25 * eng_bounds_size(bounds);
     double error = 0;
@@ -329,7 +330,7 @@ static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
         for (uint32_t i = 0; i < scene->object_capacity; i++) {
             const struct eng_object *object = &scene->objects[i];
             step->parts[i].takes_part = false;
-            step->parts[i].meets_turning = false;
+            step->parts[i].wants_fit = false;
             if (!object->mesh || is_sought(step, object) != (sought == 1) ||
                 object->bounds[0].low[0] > object->bounds[0].high[0]) {
                 continue;
@@ -339,8 +340,8 @@ static void list_items(struct eng_turning_step *step, struct eng_worker *worker)
                 return;
             }
             struct eng_turning_item *item = &step->items[step->item_count];
-            set_around(step, object, item);
             item->object = i;
+            set_around(step, object, item);
             item->is_sought = sought == 1;
             if (sought == 1) {
                 eng_bounds_unite(&all, &item->box);
@@ -372,6 +373,44 @@ static int axis_of(const struct eng_turning_step *step)
     return best;
 }
 
+/* Return whether boxes of an object that goes straight are those of its mesh, where its
+ * poses take them. */
+static bool goes_by_poses(const struct eng_turning_step *step,
+                          const struct eng_object *object)
+{
+    return step->by_poses && object->has_poses && object->joint == PCCD_NO_JOINT;
+}
+
+/* Return the way to find what meets of two objects, one of which turns. Of what has poses
+ * boxes are fitted before the two begin, if it is by spans. */
+static enum eng_turning_way way_of(const struct eng_turning_step *step, uint32_t a,
+                                   uint32_t b)
+{
+    const struct eng_scene *scene = step->scene;
+    const struct eng_object *const objects[2] = {&scene->objects[a], &scene->objects[b]};
+    const struct eng_turning_bend *bend = NULL;
+    uint32_t turning = 0;
+    bool can = !step->is_any && step->tests_most == 0 && step->separation == 0 &&
+               !(eng_thickness_clearance(scene, a, b) > 0);
+    for (int i = 0; i < 2; i++) {
+        const struct eng_object *object = objects[i];
+        can &= eng_thickness_most(object) == 0;
+        if (object->joint != PCCD_NO_JOINT) {
+            bend = &step->parts[i == 0 ? a : b].bend;
+            turning++;
+        } else {
+            can &= goes_by_poses(step, object) ||
+                   object->moved_number < scene->moving.number;
+        }
+    }
+    return !can                                ? ENG_TURNING_BY_SPANS
+           : step->is_test && (a + b) % 2 != 0 ? ENG_TURNING_BY_CHORDS
+           : turning == 2                      ? ENG_TURNING_BY_BEND
+           : eng_turning_bends_little(bend, objects[0]->mesh, objects[1]->mesh)
+               ? ENG_TURNING_BY_CHORDS
+               : ENG_TURNING_BY_SPANS;
+}
+
 static void join(struct eng_turning_step *step, uint32_t object)
 {
     if (!step->parts[object].takes_part) {
@@ -400,8 +439,8 @@ static void add_couple(struct eng_turning_step *step, uint32_t a, uint32_t b)
     step->couples[step->couple_count++] = (struct eng_turning_couple){.a = a, .b = b};
     join(step, a);
     join(step, b);
-    if (!are_straight(step, a, b)) {
-        step->parts[a].meets_turning = step->parts[b].meets_turning = true;
+    if (!are_straight(step, a, b) && way_of(step, a, b) == ENG_TURNING_BY_SPANS) {
+        step->parts[a].wants_fit = step->parts[b].wants_fit = true;
     }
 }
 
@@ -485,6 +524,8 @@ void eng_turning_step_begin(struct eng_turning_step *step, bool by_poses,
     step->separation = question->distance;
     step->resolution = question->resolution;
     step->tests_most = question->turning_tests;
+    step->is_test = question->team_always;
+    step->is_any = question->mode == PCCD_MODE_ANY;
     step->couple_count = 0;
     step->divided_count = 0;
     step->joining_count = 0;
@@ -571,25 +612,24 @@ static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
         part->fitted = 0;
         return PCCD_OK;
     }
-    if (step->by_poses && object->has_poses) {
-        eng_body_set(&part->own, object->mesh);
-        if (!part->meets_turning) {
-            return PCCD_OK;
-        }
-    }
     if (part->fitted > object->moved_number && body->mesh == object->mesh) {
         body->x[0] = positions_of(scene, object, 0); /* they change places */
         body->x[1] = positions_of(scene, object, 1);
         return PCCD_OK;
     }
     bool stands = object->moved_number < scene->moving.number;
-    body->should_stop = should_stop;
-    body->owner = worker;
     const double(*x1)[3] = positions_of(scene, object, 1);
+    const double(*x0)[3] = stands ? x1 : positions_of(scene, object, 0);
     struct eng_bounds bounds = object->bounds[0];
     eng_bounds_unite(&bounds, &object->bounds[1]);
-    status = eng_body_fit(body, object->mesh,
-                          stands ? x1 : positions_of(scene, object, 0), x1, &bounds);
+    if (goes_by_poses(step, object) && !part->wants_fit) {
+        eng_body_put(body, object->mesh, x0, x1, &bounds);
+        part->fitted = 0;
+        return PCCD_OK;
+    }
+    body->should_stop = should_stop;
+    body->owner = worker;
+    status = eng_body_fit(body, object->mesh, x0, x1, &bounds);
     part->fitted = status == PCCD_OK && stands ? scene->moving.number : 0;
     return status;
 }
@@ -619,16 +659,19 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
     const bool is_straight = are_straight(step, couple->a, couple->b);
     for (int side = 0; side < 2; side++) {
         const struct eng_object *object = &step->scene->objects[objects[side]];
-        const struct eng_turning_part *part = &step->parts[objects[side]];
         both.side[side] = (struct eng_turning_side){
             .object = object,
-            .body = is_straight && object->has_poses ? &part->own : &part->body,
-            .joint = object->joint};
+            .body = &step->parts[objects[side]].body,
+            .joint = object->joint,
+            .poses = goes_by_poses(step, object)
+                         ? (const double(*)[12])object->poses->last
+                         : NULL};
     }
     if (is_straight) {
-        eng_straight_begin(worker->straight, worker, both.side);
+        eng_straight_begin(worker->straight, both.side, NULL);
         return PCCD_OK;
     }
+    both.way = way_of(step, couple->a, couple->b);
     return eng_turning_begin(worker->turning, &both);
 }
 
@@ -643,7 +686,7 @@ static void divide(struct eng_turning_step *step, struct eng_worker *worker)
         int status = begin_couple(step, worker, couple);
         if (are_straight(step, couple->a, couple->b)) {
             couple->task_count =
-                eng_straight_split(worker->straight, ENG_TURNING_TASKS, tasks);
+                eng_straight_split(worker->straight, worker, ENG_TURNING_TASKS, tasks);
         } else if (status == PCCD_OK) {
             status = eng_turning_split(worker->turning, worker, ENG_TURNING_TASKS, tasks,
                                        &couple->task_count);
@@ -676,7 +719,7 @@ static void perform_task(const struct eng_turning_step *step, struct eng_worker 
                          struct eng_turning_couple *couple, uint64_t task)
 {
     if (are_straight(step, couple->a, couple->b)) {
-        eng_straight_perform(worker->straight, task);
+        eng_straight_perform(worker->straight, worker, task);
         return;
     }
     int status = eng_turning_perform(worker->turning, worker, task);

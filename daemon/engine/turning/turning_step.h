@@ -22,10 +22,10 @@
 /* The boxes of an object, kept from step to step while it stands. */
 struct eng_turning_part {
     struct eng_body body;
-    struct eng_body own; /* in a pair that goes straight, if it has poses: its mesh's */
     uint64_t fitted; /* moving.number of the step for which they were fitted; 0: none */
     bool takes_part; /* in this step */
-    bool meets_turning; /* it turns, or may meet one that does */
+    bool wants_fit;  /* it has poses, but may meet one that turns by spans */
+    struct eng_turning_bend bend; /* if it turns */
 };
 
 /* A sphere that an object stays in at all times of a step: its middle goes straight. */
@@ -61,6 +61,8 @@ struct eng_turning_step {
     double separation;
     double resolution;
     uint64_t tests_most;
+    bool is_test; /* every second couple goes by chords that can, however much it turns */
+    bool is_any;  /* mode any, which tries couples by spans */
     struct eng_turning_part *parts; /* [part_capacity] by object */
     uint32_t part_capacity;
     struct eng_turning_item *items; /* [item_capacity] */
