@@ -58,6 +58,10 @@ two '' '' && check 1 scene.json &&
     two ', "groups": "a", "meets": ["a"]' ', "groups": ["b", "c"]' && check 0 scene.json &&
     two ', "groups": "a", "meets": "c"' ', "groups": ["b", "c"], "meets": ["a"]' && check 1 scene.json &&
     two ', "meets": ["a", "b"]' '' && check 0 scene.json && two ', "groups": "a"' '' && check 1 scene.json &&
+    two ', "meets": "a", "self": false' ', "self": false' && check 0 --json scene.json &&
+    grep -q '^    "no two objects may meet, nor one itself: nothing is compared"$' out &&
+    grep -qx 'pccdctl: warning: no two objects may meet, nor one itself: nothing is compared' err &&
+    ctl near --what nearest scene.json && grep -q 'warning: no two objects may meet' err &&
     two '' '' ', "frames": {"last": 2}' && check 0 scene.json &&
     two '' '' ', "frames": {"first": 2, "last": 3}' && check 1 scene.json &&
     two ', "thickness": 2' '' ', "frames": {"last": 2}' && check 1 scene.json

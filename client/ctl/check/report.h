@@ -50,6 +50,7 @@ struct report_scene {
     char *const *names;   /* of the parts that meet, by their numbers; or NULL */
     uint32_t object_what; /* that options have set: bits of pccd_object_what */
     double build_ms;      /* edges and feature ownership, then the hierarchy; paid once */
+    const char *warning;  /* about all of them; NULL: none */
 };
 
 /* Two parts of objects that meet, by the numbers of their names, the lower one first. */

@@ -107,6 +107,9 @@ static void add_scene(json_t *object, const struct report_scene *scene, bool *ok
             json_append(warnings, json_text(files->sequence.warning), ok);
         }
     }
+    if (scene->warning != NULL) {
+        json_append(warnings, json_text(scene->warning), ok);
+    }
     json_set(object, "sources", sources, ok);
     json_set(object, "warnings", warnings, ok);
     if (scene->object_count > 1) {

@@ -447,15 +447,19 @@ static int place(struct walk *walk, struct ctl_error *error)
     return status;
 }
 
-static void print_scene(const struct walk *walk, bool has_meshes)
+static void print_scene(struct walk *walk, bool has_meshes)
 {
     const bool is_json = walk->command->check.ask.is_json;
+    walk->run.told.warning = scene_idle(&walk->scene, true);
     if (walk->report != NULL && !is_json && has_meshes) {
         report_print_scene(walk->report, &walk->run.told);
     }
     for (uint32_t i = 0; walk->report != NULL && i < walk->scene.object_count; i++) {
         report_print_notes(is_json ? stderr : walk->report,
                            &walk->scene.objects[i].files);
+    }
+    if (walk->report != NULL && walk->run.told.warning != NULL) {
+        (void)ctl_complain("warning: %s", walk->run.told.warning);
     }
 }
 

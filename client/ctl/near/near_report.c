@@ -119,6 +119,11 @@ void near_report_warn(const struct near_run *near)
                                object->paths[0], object->files.count);
         }
     }
+    const enum pccd_near_what what = near->settings.what;
+    const char *idle = scene_idle(&near->scene, !common_near_is_of_objects(what));
+    if (idle != NULL) {
+        (void)ctl_complain("warning: %s", idle);
+    }
 }
 
 void near_report_print(FILE *to, const struct near_run *near)

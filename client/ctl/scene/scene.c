@@ -187,6 +187,45 @@ static bool are_between(const uint32_t (*pairs)[2], size_t count, uint32_t a, ui
     return false;
 }
 
+static uint64_t group_of(const struct pccd_object_settings *settings)
+{
+    return (settings->what & PCCD_OBJECT_GROUP) != 0 ? settings->group : 1;
+}
+static uint64_t mask_of(const struct pccd_object_settings *settings)
+{
+    return (settings->what & PCCD_OBJECT_MASK) != 0 ? settings->mask : UINT64_MAX;
+}
+
+static bool may_meet(const struct scene *scene, uint32_t a, uint32_t b)
+{
+    const struct pccd_object_settings *x = &scene->objects[a].settings;
+    const struct pccd_object_settings *y = &scene->objects[b].settings;
+    bool may = (group_of(x) & mask_of(y)) != 0 &&
+               (group_of(y) & mask_of(x)) != 0;
+    for (size_t i = 0; may && i < scene->pair_count; i++) {
+        const uint32_t *of = scene->pairs[i].objects;
+        bool is_it = (of[0] == a && of[1] == b) || (of[0] == b && of[1] == a);
+        may = !(is_it && scene->pairs[i].is_ignored);
+    }
+    return may;
+}
+
+const char *scene_idle(const struct scene *scene, bool with_self)
+{
+    for (uint32_t a = 0; a < scene->object_count; a++) {
+        const struct pccd_object_settings *x = &scene->objects[a].settings;
+        if (with_self && ((x->what & PCCD_OBJECT_SELF) == 0 || x->self_collision)) {
+            return NULL;
+        }
+        for (uint32_t b = a + 1; b < scene->object_count; b++) {
+            if (may_meet(scene, a, b)) {
+                return NULL;
+            }
+        }
+    }
+    return "no two objects may meet, nor one itself: nothing is compared";
+}
+
 /* Let all pairs ignore each other, and themselves, that are not given. What is in none
  * meets nothing. */
 static int leave_between(struct scene *scene, const uint32_t (*pairs)[2], size_t count,

@@ -139,6 +139,10 @@ int scene_keep_clearance(struct scene *scene, uint32_t a, uint32_t b, double cle
 /* Return the place of the object of that name; object_count: there is none. */
 uint32_t scene_find(const struct scene *scene, const char *name);
 
+/* Return a sentence where nothing may meet: no two objects, nor, `with_self`, one itself.
+ * NULL: something may. */
+const char *scene_idle(const struct scene *scene, bool with_self);
+
 /* Take the files of a command line: a scene file alone; or files, which are one object
  * or, with `each`, an object each. Then what `options` says. Errors: those of
  * scene_read_file and scene_add; E_INVAL: a name of --between that no object has. */
