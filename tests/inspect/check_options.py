@@ -10,6 +10,7 @@ import os
 import pathlib
 import random
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -18,6 +19,17 @@ from scene import (FRAMES, NAME, RADIUS, Scene, ThickScene, pccdctl, positions,
                    record_frames)
 
 MIB = 1 << 20
+# Asks of a slide that it never takes, before each fall.
+TRIES = """
+import numpy, pccd
+x = numpy.float64([[0, 0, 9], [1, 0, 9], [0, 1, 9]])
+with pccd.connect(private=True) as client:
+    scene = client.scene_create()
+    body = client.scene_add(scene, client.mesh_create(x, [[0, 1, 2]]))
+    for way in 4 * [(1, 0, 0), (0, 0, -.1)]:
+        with client.step_x0x1(scene, body, x, x + way):
+            x = x + way if way[2] else x
+"""
 
 
 class Options(unittest.TestCase):
@@ -203,6 +215,28 @@ class Options(unittest.TestCase):
         self.assertEqual(page.meta["up"], "x")  # as recorded
         self.assertEqual(self.drawn(), self.drawn("--up", "x"))
         self.assertNotEqual(self.drawn(), self.drawn("--up", "y"))
+
+    # If it failed, a program that asks again and again, and goes a part of the way, would
+    # lie on its side: here it asks of a slide that it never takes, before each fall.
+    def test_up__is_of_what_was_gone(self):
+        build = pathlib.Path(os.environ["top_builddir"]).resolve()
+        env = {**os.environ, "PYTHONPATH": str(build / "python"),
+               "PCCD_LIBRARY": str(build / ".libs" / "libpccd.so.0")}
+
+        def run(*command):
+            return subprocess.run(command, cwd=self.made.name, env=env, check=False,
+                                  capture_output=True, text=True)
+
+        python = next((its for its in (sys.executable, "/usr/bin/python3")
+                       if run(its, "-c", "import pccd").returncode == 0), None)
+        if python is None:
+            self.skipTest("no python3 that can import pccd, as without numpy")
+        done = run(os.environ["PCCDCTL"], "record", "-o", "tries.rec", "--", python, "-c",
+                   TRIES)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        pccdctl("inspect", "tries.rec", "-o", "tries.html", folder=self.made.name)
+        page = Page(os.path.join(self.made.name, "tries.html"))
+        self.assertEqual((len(page.meta["steps"]), page.meta["up"]), (8, "z"))
 
     def drawn(self, *options):
         """A picture of up.rec."""

@@ -295,8 +295,8 @@ timeout 60 "$PCCDCTL" record --contacts -o t.rec -- "$PCCDCTL" sweep hinge.urdf 
 "$PCCDCTL" inspect -o t.html t.rec 2>&1 | grep -q 'built without' && has_page= || has_page=1
 [ -s t.rec ] && ctl replay t.rec && says ' the same, 0 not$' &&
     { [ -z "$has_page" ] || { ctl inspect --json -o t.html t.rec &&
-        [ "$(json_value differ)" = 0 ]; }; }
-report "a recorded sweep is answered so again, also beside its boxes"
+        [ "$(json_value differ)" = 0 ] && grep -q '"up":"z"' t.html; }; }
+report "a recorded sweep is answered so again, also beside its boxes, with z up"
 
 # Otherwise a finger would not follow the other one. The gap is 0.021 + 1.5 q.
 cat >gripper.urdf <<'EOF'

@@ -650,6 +650,20 @@ static double least_of(const struct command *command, const struct robot *robot)
     return robot_has_clearances(robot) || command->joints.count > 1 ? 0 : 1e-3;
 }
 
+/* Have a recording keep that z is up, as in URDF, unless it was told another axis. */
+static void tell_up(void)
+{
+    const char *name = "PCCD_RECORD_OPTIONS";
+    const char *given = getenv(name) != NULL ? getenv(name) : "";
+    const char *up = strstr(given, "up=");
+    char text[256];
+    int length =
+        snprintf(text, sizeof text, "%s%sup=3", given, *given != '\0' ? "," : "");
+    if ((up == NULL || up[3] == '0') && length < (int)sizeof text) {
+        (void)setenv(name, text, 1);
+    }
+}
+
 static int run_sweep(const struct command *command)
 {
     struct ctl_error error = {.text = ""};
@@ -667,6 +681,7 @@ static int run_sweep(const struct command *command)
     if (status == PCCD_OK && command->picture != NULL) {
         status = output_open(&file, command->picture, false, &error);
     }
+    tell_up();
     if (status == PCCD_OK &&
         ctl_link_open(&command->link, &run.sweep.client) != CTL_DONE) {
         status = ctl_error_set(&error, PCCD_E_NODAEMON, "%s", "");
