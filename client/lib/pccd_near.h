@@ -115,8 +115,10 @@ struct pccd_near_settings {
  * Further pages come by pccd_fetch, with *step, until the scene's next request about what
  * is near. The answer of the last step stays valid beside it. DEPTH of a mesh whose
  * triangles are not closed is E_INVAL, and pccd_error_text names an edge that shows it.
- * Free edges and points count, too: for NEAREST against all that the other object has,
- * for DEPTH by the vertices that they have inside the triangles of another object. */
+ * Free edges and points count, too: for PAIRS, FEATURES and VERTICES also two points,
+ * or a point and an edge, that have no radius, which steps leave out; for NEAREST against
+ * all that the other object has; for DEPTH by the vertices that they have inside the
+ * triangles of another object. */
 int pccd_submit_near(struct pccd_client *client, uint32_t scene,
                      const struct pccd_motion *motions, uint32_t motion_count,
                      const struct pccd_near_settings *settings, uint64_t *step);

@@ -133,9 +133,9 @@ enum pccd_object_what {
 /* The kinds of pairs that contacts and candidates are: X(NAME, value, name, points of a,
  * points of b, text). A feature of one point is a vertex, of two an edge, of three a
  * face. A value is never renumbered; new ones go at the end. VE and VV are of free
- * points: with a free edge, and with another free point; only where the two have a
- * distance to keep. An edge is free if no triangle has it, a point if no triangle and no
- * edge has it. */
+ * points: with a free edge, and with another free point; in steps only where the two
+ * have a distance to keep. An edge is free if no triangle has it, a point if no triangle
+ * and no edge has it. */
 #define PCCD_KIND_LIST(X)                                                                \
     X(VF, 0, vf, 1, 3, "a vertex of object a, a face of object b")                       \
     X(EE, 1, ee, 2, 2, "an edge of object a, an edge of object b; (object, edge) a < b") \
@@ -164,7 +164,7 @@ enum pccd_near_kind {
 
 /* The question about the scene at one moment. */
 enum pccd_near_what {
-    PCCD_NEAR_PAIRS = 0,     /* each VF and EE pair within the distance */
+    PCCD_NEAR_PAIRS = 0,     /* VF and EE within the distance; of free points VE and VV */
     PCCD_NEAR_FEATURES = 1,  /* the closest features of these pairs, each once */
     PCCD_NEAR_VERTICES = 2,  /* for each vertex its bound: the least distance of the pairs
                                 that it is part of, also as a corner or an end */

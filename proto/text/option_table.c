@@ -63,7 +63,7 @@ double option_real(const struct argp_state *state, const struct option_row *row,
         option_misused(state, "--%s: \"%s\" is not a number from %Lg to %Lg", row->name,
                        text, row->min, row->max);
     }
-    return value;
+    return value + 0.0; /* -0 is 0 */
 }
 
 size_t option_words(const char *arg, const char **words)

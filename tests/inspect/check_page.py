@@ -613,7 +613,8 @@ class Opened(InBrowser):
         first = positions(number - 1)
         way = [a - b for a, b in zip(first[int(row["i0"])], first[int(row["i1"])],
                                      strict=True)]
-        self.assertGreater(sum(x * y for x, y in zip(given, way, strict=True)), 0)  # from the face to the vertex
+        # From the face to the vertex.
+        self.assertGreater(sum(x * y for x, y in zip(given, way, strict=True)), 0)
         self.browser.click("#copy")
         self.browser.wait("return window.copied")
         copied = self.browser.run("return window.copied")

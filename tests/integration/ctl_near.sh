@@ -275,6 +275,9 @@ fails 2 '--distance: "-1" is not a number from 0' near --distance -1 floor.obj &
     fails 2 '--gap is of --what nearest' near --distance 1 --gap 1 floor.obj &&
     fails 2 'crossings has no use' near --what crossings --distance 1 floor.obj &&
     fails 2 '--self: nearest is of two objects' near --what nearest --self floor.obj above.obj &&
+    fails 4 '--between: nearest is of two objects, and "floor" is one' \
+        near --what nearest --between floor,floor floor.obj above.obj &&
+    ctl near --distance -0 floor.obj above.obj && grep -q '^near .* within 0' out &&
     fails 2 'one file at least' near --distance 1 &&
     fails 4 'missing.obj: cannot open' near --distance 1 missing.obj &&
     fails 3 '' near --distance 1 --socket "$work/nobody" floor.obj

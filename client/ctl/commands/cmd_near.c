@@ -1,6 +1,7 @@
 /* cmd_near.c - pccdctl near. */
 #include "ctl.h"
 #include "near_run.h"
+#include "shown.h"
 
 struct command {
     struct near_options near;
@@ -29,6 +30,25 @@ const struct option_table ctl_table_near = {
                 "  pccdctl near --what depth a.stl b.stl\n",
 };
 
+/* Return E_INVAL where no two objects are asked about, or one and itself are. */
+static int need_two(const struct scene *scene, const struct option_arguments *between,
+                    struct ctl_error *error)
+{
+    if (scene->object_count < 2) {
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "--what nearest: two objects at least, and this is one");
+    }
+    for (uint32_t i = 0; i < scene->object_count && between->count > 0; i++) {
+        if (scene->objects[i].settings.self_collision) {
+            return ctl_error_set(error, PCCD_E_INVAL,
+                                 "--between: nearest is of two objects, and \"%s\" is "
+                                 "one",
+                                 tool_shown(scene->objects[i].name));
+        }
+    }
+    return PCCD_OK;
+}
+
 /* Read before a daemon is asked for: a bad file costs nothing else. */
 static int read_scene(struct near_run *near, const struct command *command,
                       struct ctl_error *error)
@@ -36,6 +56,9 @@ static int read_scene(struct near_run *near, const struct command *command,
     const struct ask_options *asked = &command->near.ask;
     struct scene *scene = &near->scene;
     int status = scene_take(scene, &asked->files, true, &command->scene, error);
+    if (status == PCCD_OK && command->near.settings.what == PCCD_NEAR_NEAREST) {
+        status = need_two(scene, &command->scene.between, error);
+    }
     for (uint32_t i = 0; i < scene->object_count; i++) {
         near_options_leave_out_self(&command->near, scene->object_count,
                                     &scene->objects[i].settings);

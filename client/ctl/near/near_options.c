@@ -61,11 +61,11 @@ static const struct option_row rows[] = {
      "nearest it leaves out objects that are farther apart",
      OPTION_OWN, .max = DISTANCE_MAX, .take = take_distance},
     {"what", 0, "pairs|features|vertices|nearest|crossings|depth",
-     "pairs (vertex-face and edge-edge within D, the default), features (the closest "
-     "features of these pairs, each once), vertices (for each the least distance of the "
-     "pairs that it is part of, at most D), nearest (for each two objects the nearest "
-     "pair), crossings (edges that pass through faces), depth (how deep the vertices of "
-     "closed meshes are in others)",
+     "pairs (vertex-face and edge-edge within D, of points also vertex-edge and "
+     "vertex-vertex; the default), features (the closest features of these pairs, each "
+     "once), vertices (for each the least distance of the pairs that it is part of, at "
+     "most D), nearest (for each two objects the nearest pair), crossings (edges that "
+     "pass through faces), depth (how deep the vertices of closed meshes are in others)",
      OPTION_WORD, .at = AT(settings.what)},
     {"gap", 0, "G",
      "nearest: end early, with a pair that is farther by at most G than the nearest",
