@@ -277,7 +277,8 @@ class Opened(InBrowser):
         first = next(i for i, total in enumerate(totals) if total > 0)
         self.assertTrue(self.text("whole").startswith(
             f"In {sum(total > 0 for total in totals)} of {len(totals)} steps something "
-            f"meets, first in step {first + 1}, most in step {most + 1} ({max(totals)}"),
+            f"meets, {first + 1} to {len(totals)}; first in step {first + 1}, most in "
+            f"step {most + 1} ({max(totals)}"),
             self.text("whole"))
         self.browser.click("#whole button")
         self.browser.wait("return pccd.state.values.index === arguments[0]", first)
@@ -942,7 +943,7 @@ class Objects(InBrowser):
     def test_pair__is_followed_through_all_steps(self):
         scene = FallScene(All.folder)
         meets = {"0,1": "peg meet in 2 of 5 steps, 2 to 3; first in step 2",
-                 "0,2": "post meet in 1 of 5 steps, 4",
+                 "0,2": "post meet in 1 of 5 steps; first in step 4",
                  "0,3": "hoop meet in 2 of 5 steps, 1 and 5; first in step 1"}
         for page, is_drawn, pairs in (("fall.html", [True] * 5, ["0,1", "0,2", "0,3"]),
                                       ("fall2.html", [True, False] * 3, ["0,1"])):
@@ -1135,7 +1136,8 @@ class LeftOut(InBrowser):
         most, first = self.steps[3]["contacts"], self.steps[1]
         self.show("--every", "2")
         self.assertTrue(self.text("whole").startswith(
-            f"In 3 of 4 steps something meets, first in step 2, most in step 4 ({most})"),
+            "In 3 of 4 steps something meets, 2 to 4; first in step 2, most in step 4 "
+            f"({most})"),
             self.text("whole"))
         self.assertNotIn("with the most", self.text("caption"))
         feature = first["first"]

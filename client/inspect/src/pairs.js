@@ -68,8 +68,8 @@ export function pairName(names, pair, step) {
 
 const RANGES_TOLD = 5;
 
-/** ", 3 to 41 and 50": the numbers of those of `steps` that `is` tells. */
-function rangesText(steps, is) {
+/** ", 3 to 41 and 50": the numbers of those of `steps` that `is` tells; "" of less than two. */
+export function rangesText(steps, is) {
   const ranges = [];
   let isOpen = false;
   for (const step of steps) {
@@ -81,7 +81,7 @@ function rangesText(steps, is) {
     isOpen = is(step);
   }
   const texts = ranges.map((range) => range.join(" to "));
-  return ranges.length === 0 ? "" : ranges.length > RANGES_TOLD ? `, from ${ranges[0][0]} to ${ranges.at(-1).at(-1)}, not in all between`
+  return ranges.flat().length < 2 ? "" : ranges.length > RANGES_TOLD ? `, from ${ranges[0][0]} to ${ranges.at(-1).at(-1)}, not in all between`
     : `, ${[...(texts.length > 1 ? [texts.slice(0, -1).join(", ")] : []), texts.at(-1)].join(" and ")}`;
 }
 

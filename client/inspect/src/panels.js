@@ -6,7 +6,7 @@ import { PHASES, colourOfObject, cssOf, nameOfColour } from "./colours.js";
 import { FEATURES, KINDS, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
-import { countsOf, meetingText, namesOf } from "./pairs.js";
+import { countsOf, meetingText, namesOf, rangesText } from "./pairs.js";
 import { partsOf } from "./timeline.js";
 import { INCOMPLETE, absentTexts, askedText, digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
 
@@ -174,7 +174,8 @@ export function makeWhole(data, state, show) {
   const { meta, all } = data;
   const names = namesOf(data);
   const steps = all.filter(({ near, answer }) => !near && answer.mode !== "pairs");
-  const meeting = steps.filter(({ answer }) => (answer.mode === "any" ? answer.verdict > 0 : answer.total > 0));
+  const meets = ({ answer }) => (answer.mode === "any" ? answer.verdict > 0 : answer.total > 0);
+  const meeting = steps.filter(meets);
   const crossed = steps.filter(({ answer }) => answer.crossings > 0);
   const greatest = (among, measure) => among.reduce((most, step) => (measure(step.answer) > measure(most.answer) ? step : most));
   const go = (step) => {
@@ -190,8 +191,8 @@ export function makeWhole(data, state, show) {
   const slowest = greatest(steps.slice(1), ({ times }) => times.step);
   const isPart = all.length < meta.recording.steps;
   const whole = () => [
-    `In ${count(meeting.length)} of ${count(steps.length)} steps${isPart ? ` (${steps[0].number} to ${steps.at(-1).number})` : ""} something${meta.asked.length > 0 ? " that was asked about" : ""} meets`,
-    ...(meeting.length > 0 ? [", first in ", go(meeting[0])] : []),
+    `In ${count(meeting.length)} of ${count(steps.length)} steps${isPart ? ` (${steps[0].number} to ${steps.at(-1).number})` : ""} something${meta.asked.length > 0 ? " that was asked about" : ""} meets${rangesText(steps, meets)}`,
+    ...(meeting.length > 0 ? ["; first in ", go(meeting[0])] : []),
     ...(most.answer.total > 0 ? [", most in ", go(most), ` (${count(most.answer.total)})`] : []),
     ...(crossed.length > 0 ? [`; ${plural(crossed.length, "step begins", "steps begin")} with an intersection, the first is `, go(crossed[0])] : []),
     ...(steps.length > 2 ? ["; when this page was written, the slowest after the first was ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`] : []),
@@ -200,7 +201,7 @@ export function makeWhole(data, state, show) {
     const counts = countsOf(data, pair);
     const has = steps.filter((step) => counts.get(step) > 0);
     const best = has.reduce((most, step) => (counts.get(step) > counts.get(most) ? step : most), has[0]);
-    return [meetingText(data, names, pair, steps), ...(has.length > 1 ? ["; first in ", go(has[0])] : []),
+    return [meetingText(data, names, pair, steps), ...(has.length > 0 ? ["; first in ", go(has[0])] : []),
       ...(has.some((step) => counts.get(step) < counts.get(best)) ? [", most in ", go(best), ` (${count(counts.get(best))})`] : [])];
   };
   state.on(["pair"], ({ pair }) => byId("whole").replaceChildren(...(pair === "" ? whole() : ofPair(pair))));
