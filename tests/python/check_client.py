@@ -446,6 +446,10 @@ class Meshes(Case):
                 (status.E_INVAL, TENT, TENT_TRIANGLES.astype(float)),
                 (status.E_INVAL, TENT, TENT_TRIANGLES.reshape(-1))):
             self.fails(want, self.client.mesh_create, x, triangles)
+        radii = np.ones(6)
+        for bad in (radii + 0j, radii.astype(str), np.ma.masked_array(radii, radii > 0)):
+            self.fails(status.E_INVAL, self.client.mesh_create, TENT, TENT_TRIANGLES, bad)
+            self.fails(status.E_INVAL, pccd.joints_screw, bad[:3], [0, 0, 1], 1)
         self.fails(status.E_HANDLE, self.client.mesh_replace, 0, TENT, TENT_TRIANGLES)
         self.settle(meshes_now=before)
 

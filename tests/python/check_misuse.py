@@ -329,16 +329,20 @@ class Arguments(Case):
         moves.rigid(tent, 6, pose, bad)
         self.fails(pccd.Status.E_NOTFINITE, self.client.step, scene, moves)
 
-    # If this failed, one vertex would be spread over all of a body, or what an earlier
-    # step wrote would be sent again.
+    # If this failed, one vertex would be spread over all of a body, what an earlier
+    # step wrote would be sent again, or other numbers than those that were given.
     def test_batch__takes_arrays_of_its_shape_alone(self):
         scene, _, tent = self.tent()
         other = self.client.scene_create()
         body = self.client.scene_add(other, self.client.mesh_create(TENT, TENT_TRIANGLES))
         invalid = pccd.Status.E_INVAL
         even = self.client.batch([pccd.Part(scene, tent, 6), pccd.Part(other, body, 6)])
-        for bad in (TENT, TENT[0], 0.0, TENT[None], np.stack([TENT[:3]] * 2)):
+        both = np.stack([TENT] * 2).astype(np.float64)
+        for bad in (TENT, TENT[0], 0.0, TENT[None], both[:, :3], both + 0j,
+                    both.astype(str), np.ma.masked_array(both, both > 0), both + 1e-12,
+                    both + 1e300):
             self.fails(invalid, even.submit, bad)
+        even.step(both).release()
         mixed = self.client.batch([pccd.Part(scene, tent, 6, way="x0x1"),
                                    pccd.Part(other, body, 6, way="rigid")])
         pose = np.eye(3, 4)

@@ -22,7 +22,8 @@ from .answer import Held
 from .frame import DEFAULT
 from .library import PccdError, lib, one_thread_at_a_time, quick
 from .turning import JOINT, joints_of
-from .values import (CONTACT, PAIR, StepSettings, enumerator, format_of, refusal, u32)
+from .values import (CONTACT, PAIR, StepSettings, enumerator, format_of, real_numbers,
+                     refusal, u32)
 
 SCENE = np.dtype(abi.pccd_scene_answer)
 _ANSWER_BYTES = ctypes.sizeof(abi.pccd_batch_answer)
@@ -31,8 +32,8 @@ _scenes: Any = abi.pccd_batch_answer.scenes
 
 @dataclass(frozen=True)
 class Part:
-    """What moves in a scene: `count` vertices of an object, from `first` on. object = 0:
-    nothing moves in the scene."""
+    """What moves in a scene: `count` vertices of an object, from `first` on, to positions
+    of a dtype, float32 or float64. object = 0: nothing moves in the scene."""
 
     scene: int
     object: int = 0
@@ -281,11 +282,16 @@ class Batch:
     @staticmethod
     def _copy(name: str, place: NDArray[Any], given: Any) -> None:
         """Of the same shape: numpy would spread one vertex over all."""
-        array = np.asarray(given)
+        array = given if place.dtype == JOINT else real_numbers(name, given)
         if array.shape != place.shape:
             raise refusal(Status.E_INVAL,
                           f"{name} has the shape {array.shape}, not {place.shape}")
-        place[...] = array
+        with np.errstate(over="ignore"):
+            made = array.astype(place.dtype, copy=False)
+        if made is not array and np.any((made != array) & (array == array)):
+            raise refusal(Status.E_INVAL, f"{name}: {array.dtype} would be rounded to "
+                          f"{place.dtype}; give the Part its dtype, or round it yourself")
+        place[...] = made
 
     def submit(self, x1: Union[ArrayLike, Sequence[Any]],
                settings: StepSettings = DEFAULT) -> int:

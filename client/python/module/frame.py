@@ -17,7 +17,8 @@ from . import abi
 from .abi import Status
 from .library import lib, one_thread_at_a_time, quick
 from .turning import table_of
-from .values import StepSettings, format_of, near_settings, refusal, u32
+from .values import (StepSettings, format_of, near_settings, real_numbers, refusal,
+                     u32)
 
 DEFAULT = StepSettings()
 
@@ -70,7 +71,8 @@ class Frame:
         """Transforms (3, 4) for both ends, rows of [R | t], of registered positions. In
         between, vertices go straight: a turn needs several steps (pccd(7), MOTION)."""
         self._client._check_open()
-        ends = [np.ascontiguousarray(m, np.float64) for m in (m0, m1)]
+        ends = [np.ascontiguousarray(real_numbers(name, m), np.float64)
+                for name, m in (("m0", m0), ("m1", m1))]
         for name, m in zip(("m0", "m1"), ends):
             if m.shape != (3, 4):
                 raise refusal(Status.E_INVAL,

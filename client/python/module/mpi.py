@@ -36,8 +36,8 @@ from .abi import Status
 from .frame import Motions
 from .library import PccdError, any_thread, lib, new_turn, one_thread_at_a_time
 from .values import (StepSettings, format_of, milliseconds, near_settings,
-                     object_settings, pack_indices, pack_vertices, put, refusal, u32,
-                     with_size)
+                     object_settings, pack_indices, pack_vertices, put, real_numbers,
+                     refusal, u32, with_size)
 
 NAME = "libpccd-mpi.so.0"
 DEFAULT = StepSettings()
@@ -206,7 +206,7 @@ class World:
                 if name in ("triangles", "edges", "points"):
                     setattr(part, name[:-1] + "_count", len(kept[-1]))
         if radii is not None:
-            kept.append(np.ascontiguousarray(radii, np.float64))
+            kept.append(np.ascontiguousarray(real_numbers("radii", radii), np.float64))
             part.radii = kept[-1].ctypes.data
         for name, given, count in (("vertices", vertices, part.vertex_count),
                                    ("radii", radii, part.vertex_count),

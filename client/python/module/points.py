@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import abi
 from .abi import Status
 from .library import failure, lib
-from .values import CONTACT, NEAR, refusal
+from .values import CONTACT, NEAR, real_numbers, refusal
 
 MANIFOLD = np.dtype(abi.pccd_manifold)
 Poses = Mapping[int, Tuple[ArrayLike, ArrayLike]]
@@ -91,7 +91,7 @@ class Bodies:
         structs, kept = self._of(handles), []
 
         def pack(name: str, given: ArrayLike, shape: Any) -> int:
-            made = np.ascontiguousarray(given, np.float64)
+            made = np.ascontiguousarray(real_numbers(name, given), np.float64)
             if made.shape != shape:
                 raise refusal(Status.E_INVAL, f"{name} has the shape {made.shape}, not "
                               f"{shape}")

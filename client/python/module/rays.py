@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import abi
 from .abi import Status
 from .library import lib
-from .values import StepSettings, pack_indices, pack_vertices, put, refusal, u32, \
-    with_size
+from .values import StepSettings, pack_indices, pack_vertices, put, real_numbers, \
+    refusal, u32, with_size
 
 HIT = np.dtype(abi.pccd_ray_hit)
 
@@ -65,7 +65,8 @@ class Rays:
                             ("group", group), ("mask", mask)):
             put(settings, name, value)
         if radii is not None:
-            given = np.broadcast_to(np.asarray(radii, np.float64), count)
+            given = np.broadcast_to(real_numbers("radii", radii).astype(np.float64),
+                                    count)
             given = given if self._rods is None else given[self._rods].max(1)
             given = np.ascontiguousarray(given)
             settings.radii = given.ctypes.data

@@ -22,8 +22,8 @@ from .answer import Answer
 from .library import PccdError, failure, lib, new_turn
 from .points import Bodies, Shape
 from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, enumerator,
-                     format_of, object_settings, pack_indices, pack_vertices, refusal,
-                     u32, with_size)
+                     format_of, object_settings, pack_indices, pack_vertices,
+                     real_numbers, refusal, u32, with_size)
 
 SLICE_MS = 200  # of a wait: between two, Python sees to signals
 
@@ -83,7 +83,7 @@ class Scenes:
                 setattr(data, name, kept[-1].ctypes.data)
                 setattr(data, name[:-1] + "_count", len(kept[-1]))
         if radii is not None:
-            thick = np.ascontiguousarray(radii, np.float64)
+            thick = np.ascontiguousarray(real_numbers("radii", radii), np.float64)
             if thick.shape != (len(vertices),):
                 raise refusal(Status.E_INVAL, f"radii is {thick.shape}, not "
                               f"({len(vertices)},)")

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import abi
 from .abi import Status
 from .library import failure, lib
-from .values import refusal, u32
+from .values import real_numbers, refusal, u32
 
 JOINT = np.dtype(abi.pccd_joint)
 NO_JOINT = 0xFFFFFFFF  # the world, as a parent
@@ -70,7 +70,7 @@ def joints_rotation_vector(origin0: ArrayLike, origin1: ArrayLike, w0: ArrayLike
 def rotation_of_matrix(m: ArrayLike) -> NDArray[np.float64]:
     """The quaternion x y z w of a matrix (3, 3), or of a transform (3, 4), rows of
     [R | t]. E_INVAL: R is no rotation within 1e-6; the text says by how much."""
-    given = np.asarray(m, np.float64)
+    given = real_numbers("m", m)
     if given.shape not in ((3, 3), (3, 4)):
         raise refusal(Status.E_INVAL,
                       f"m has the shape {given.shape}, not (3, 3) or (3, 4)")
@@ -113,7 +113,7 @@ def table_of(joints: Any) -> NDArray[Any]:
 
 
 def _numbers(name: str, given: ArrayLike, count: int) -> Any:
-    numbers = np.asarray(given, np.float64)
+    numbers = real_numbers(name, given)
     if numbers.shape != (count,):
         raise refusal(Status.E_INVAL, f"{name} has the shape {numbers.shape}, not "
                       f"({count},)")

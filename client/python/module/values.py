@@ -246,13 +246,21 @@ def milliseconds(name: str, seconds: float) -> int:
     return math.ceil(1000 * seconds) or -1
 
 
-def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
-    """(n, 3) float32 or float64, packed; anything else becomes float64."""
-    made = np.asarray(x)
-    masked = isinstance(x, np.ma.MaskedArray) and bool(np.any(getattr(x, "mask")))
+def real_numbers(name: str, given: ArrayLike) -> NDArray[Any]:
+    """An array of real numbers, of whatever type: numpy would make some of texts, dates
+    and complex numbers, too, and of what is masked."""
+    made = np.asarray(given)
+    masked = isinstance(given, np.ma.MaskedArray) and \
+        bool(np.any(getattr(given, "mask")))
     if masked or made.dtype.kind not in "fiuO":
         raise refusal(Status.E_INVAL, f"{name} has values that are masked" if masked else
                       f"{name} are {made.dtype}, not real numbers")
+    return made
+
+
+def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
+    """(n, 3) float32 or float64, packed; anything else becomes float64."""
+    made = real_numbers(name, x)
     dtype = np.float32 if made.dtype == np.float32 else np.float64
     made = np.ascontiguousarray(made, dtype)
     if made.ndim != 2 or made.shape[1] != 3 or len(made) == 0:
