@@ -224,6 +224,44 @@ CASE(bytes__are_counted_as_they_are_written)
                      PCCD_E_FORMAT);
 }
 
+/* If it failed, objects that a batch has in each scene could not be followed through it,
+ * or two of one name would be taken for one. */
+CASE(object__has_one_number_by_its_name_in_all_scenes)
+{
+    static char bolt[] = "bolt", nut[] = "nut";
+    static char *const names[4][2] = {
+        {bolt, bolt}, {bolt, bolt}, {NULL, NULL}, {nut, bolt}};
+    static const char *const pairs[] = {"[0,1,1]", "[0,1,1]", "[4,5,1]", "[0,6,1]"};
+    const struct inspect_settings settings = {.every = 1, .bytes_max = 1 << 20};
+    struct ctl_error error = {.text = ""};
+    struct page_file page;
+    struct inspect inspect;
+    FILE *file = tmpfile();
+    assert_non_null(file);
+    inspect_init(&inspect, &settings, &page, &error);
+    page_file_begin(&page, file, "page", template, sizeof template - 1, &error);
+    for (uint32_t i = 0; i < 4; i++) {
+        struct fall fall;
+        fall_begin(&fall, i + 1);
+        struct registry_object objects[2] = {fall.object, fall.object};
+        for (uint32_t k = 0; k < 2; k++) {
+            objects[k].handle = OBJECT + k;
+            objects[k].name = names[i][k];
+        }
+        fall.scene = (struct registry_scene){
+            .handle = i + 1, .objects = objects, .object_count = 2};
+        fall.contact.object_b = OBJECT + 1;
+        assert_ok(inspect_step(&inspect, &fall.step, &error));
+        const json_t *step = json_array_get(inspect.steps, i);
+        char *text = json_dumps(json_object_get(step, "pairs"), JSON_COMPACT);
+        assert_string_equal(text, pairs[i]);
+        free(text);
+        fall_end(&fall);
+    }
+    inspect_deinit(&inspect);
+    fclose(file);
+}
+
 /* If it failed, positions far from zero would jump, or contacts be others. */
 CASE(step__is_packed_as_the_page_reads_it)
 {
