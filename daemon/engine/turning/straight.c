@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "four_leaves.h"
 #include "kinds.h"
 #include "memory.h"
 #include "narrow.h"
@@ -41,8 +42,6 @@
 
 #define KINDS 2 /* PCCD_VF and PCCD_EE */
 
-typedef eng_f4 f4;
-
 /* A side of the pair. A point b of its frame, measured from the origin of its boxes, lies
  * at r[end] b + off[end] along an axis. */
 struct view {
@@ -58,6 +57,8 @@ struct view {
     float r[2][AXES][3];
     float most[AXES][3]; /* the larger magnitude of both ends */
     float off[2][AXES];
+    float m[2][3][4]; /* the same along the axes of the world, off last */
+    struct leaf_corners own;
     bool turns; /* r is not the same at both ends */
 };
 
@@ -104,6 +105,11 @@ struct eng_straight {
         uint32_t first;
         bool is_there;
     } corners[2];
+    struct {
+        uint32_t leaf; /* where that is at both ends, in all lanes */
+        bool is_there;
+        struct vectors x[2][3];
+    } alone[2];
     uint32_t point_count;
     struct eng_point points[POINTS];
     struct chunk chunks[KINDS];
@@ -193,6 +199,12 @@ static void set_view(struct view *view, const double axes[AXES][3],
         double at[3];
         place(m, view->origin, at);
         eng_sub(at, at, from[end]);
+        for (int k = 0; k < 3; k++) {
+            for (int c = 0; c < 3; c++) {
+                view->m[end][k][c] = (float)m[4 * k + c];
+            }
+            view->m[end][k][3] = (float)at[k];
+        }
         for (int k = 0; k < AXES; k++) {
             view->off[end][k] = (float)eng_dot(axes[k], at);
             for (int c = 0; c < 3; c++) {
@@ -245,6 +257,9 @@ static void set_side(struct view *view, const struct eng_turning_side *side)
     view->origin = side->poses ? view->tree->origin : side->body->origin;
     view->pose[0] = side->poses ? side->poses[0] : stands;
     view->pose[1] = side->poses ? side->poses[1] : stands;
+    view->own = (struct leaf_corners){
+        side->poses ? (const double(*)[3])side->object->mesh->x : side->body->x[0],
+        view->origin, side->object->mesh->leaves};
     view->x[0] = side->body->x[0];
     view->x[1] = side->body->x[1];
     view->is_placed = side->joint != PCCD_NO_JOINT;
@@ -268,7 +283,7 @@ void eng_straight_begin(struct eng_straight *straight,
     for (int i = 0; i < 2; i++) {
         struct view *view = &straight->side[i];
         set_side(view, &side[i]);
-        straight->corners[i].is_there = false;
+        straight->corners[i].is_there = straight->alone[i].is_there = false;
         for (int k = 0; k < 3; k++) {
             set_axis(view, k, axes[3 * i + k]);
         }
@@ -298,20 +313,6 @@ void eng_straight_begin(struct eng_straight *straight,
 }
 
 /* ---- nodes ------------------------------------------------------------------------- */
-
-static inline f4 all4(float x)
-{
-    return (f4){x, x, x, x};
-}
-
-static inline unsigned bits_of(eng_i4 x)
-{
-#ifdef __SSE__
-    return (unsigned)__builtin_ia32_movmskps((f4)x);
-#else
-    return (x[0] & 1u) | (x[1] & 2u) | (x[2] & 4u) | (x[3] & 8u);
-#endif
-}
 
 static inline f4 turned(const float r[3], const f4 x[3])
 {
@@ -404,6 +405,79 @@ static struct item item_of(const struct eng_straight *straight, const struct vie
 static bool is_leaf(const struct item *item)
 {
     return (item->child & ENG_BODY_LEAF) != 0;
+}
+
+/* ---- a leaf and the leaves of a node ----------------------------------------------- */
+
+/* Place corners of four leaves where they are at both ends. */
+static void place_four(const struct view *view, const struct vectors from[3],
+                       struct vectors to[2][3])
+{
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            const f4 x = all4(view->m[end][k][0]);
+            const f4 y = all4(view->m[end][k][1]);
+            const f4 z = all4(view->m[end][k][2]);
+            const f4 off = all4(view->m[end][k][3]);
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; i++) {
+                const f4 *b = from[i].x;
+                to[end][i].x[k] = off + x * b[0] + y * b[1] + z * b[2];
+            }
+        }
+    }
+}
+
+/* Return where a leaf of a side is. */
+static const struct vectors (*place_leaf(struct eng_straight *straight, int side,
+                                         const struct item *item))[3]
+{
+    if (!straight->alone[side].is_there || straight->alone[side].leaf != item->child) {
+        struct vectors own[3];
+        load_one(&straight->side[side].own, item->child, own);
+        place_four(&straight->side[side], own, straight->alone[side].x);
+        straight->alone[side].is_there = true;
+        straight->alone[side].leaf = item->child;
+    }
+    return (const struct vectors(*)[3])straight->alone[side].x;
+}
+
+/* Take from the children of a node of a side that may meet a leaf of the other one the
+ * leaves that are apart from it along the way between both, or across either. */
+static unsigned near_leaves(struct eng_straight *straight, int side, uint32_t node,
+                            unsigned meet, const struct shadows *shadows,
+                            const struct item *leaf)
+{
+    const struct view *view = &straight->side[side];
+    const uint32_t *children = view->tree->children[node];
+    const f4 margin = all4(straight->margin);
+    struct vectors own[3];
+    struct vectors x[2][3];
+    unsigned others = 0; /* that are no leaves */
+    for (unsigned i = 0; i < 4; i++) {
+        others |= (children[i] & ENG_BODY_LEAF ? 0u : 1u) << i;
+    }
+    if ((meet & ~others) == 0) {
+        return meet;
+    }
+    const struct vectors(*placed)[3] = (const struct vectors(*)[3])x;
+    const struct vectors(*alone)[3] = place_leaf(straight, 1 - side, leaf);
+    const f4 scale = all4(1) / shadows->size;
+    load_four(&view->own, children, own);
+    place_four(view, own, x);
+    struct vectors n = ways_between(placed, alone, scale);
+    meet &= others | ~are_four_apart(placed, alone, &n, margin);
+    if ((meet & ~others) != 0) {
+        n = normals_of(placed, scale);
+        meet &= others | ~are_four_apart(placed, alone, &n, margin);
+    }
+    if ((meet & ~others) != 0) {
+        n = normals_of(alone, all4(1 / leaf->shadows->size[leaf->which]));
+        meet &= others | ~are_four_apart(placed, alone, &n, margin);
+    }
+    return meet;
 }
 
 /* Return the side of two items, not both of them leaves, that is opened: the larger. */
@@ -626,7 +700,11 @@ static void join(struct eng_straight *straight, const struct item *a,
     int side = opened_of(a, b);
     const struct view *view = &straight->side[side];
     uint32_t node = side == 0 ? a->child : b->child;
-    unsigned meet = may_meet(straight, view, node, side == 0 ? b : a, &shadows);
+    const struct item *other = side == 0 ? b : a;
+    unsigned meet = may_meet(straight, view, node, other, &shadows);
+    if (straight->bends && meet != 0 && is_leaf(other)) {
+        meet = near_leaves(straight, side, node, meet, &shadows, other);
+    }
     for (; meet != 0 && !straight->stops; meet &= meet - 1) {
         struct item child =
             child_of(view, node, (uint32_t)__builtin_ctz(meet), &shadows);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "four_leaves.h"
 #include "kinds.h"
 #include "memory.h"
 #include "vec.h"
@@ -43,8 +44,6 @@
 
 #define AXES 8 /* x, y, z of side 0, one unused; of side 1 at the middle, one unused */
 
-typedef eng_f4 f4;
-
 /* Numbers by axis. A point b of side 1 lies at rb[end] b + off[end] along it, one of side
  * 0, a, at ra a. */
 struct eng_sweep_frame {
@@ -80,16 +79,6 @@ struct item {
 
 /* ---- vectors ----------------------------------------------------------------------- */
 
-static inline f4 all4(float x)
-{
-    return (f4){x, x, x, x};
-}
-
-static inline f4 abs4(f4 x)
-{
-    return eng_max4(x, -x);
-}
-
 static inline float least(float a, float b)
 {
     return a < b ? a : b;
@@ -98,15 +87,6 @@ static inline float least(float a, float b)
 static inline float most(float a, float b)
 {
     return a > b ? a : b;
-}
-
-static inline unsigned bits_of(eng_i4 x)
-{
-#ifdef __SSE__
-    return (unsigned)__builtin_ia32_movmskps((f4)x);
-#else
-    return (x[0] & 1u) | (x[1] & 2u) | (x[2] & 4u) | (x[3] & 8u);
-#endif
 }
 
 static inline f4 load4(const float *x)
@@ -631,9 +611,6 @@ enum { FORTH = 3, BACK = 4, GROUPS = 5 };
 #define LEAF_PAIRS (3 * GROUPS)
 #define EDGE_PAIRS 0x1ffu
 
-/* Squares of vectors that are less are not divided by. */
-#define SQUARE_LEAST 0x1p-80f
-
 struct leaves {
     const struct item *item[2];
     const struct eng_face *face[2];
@@ -789,12 +766,6 @@ static bool are_leaves_apart(const struct corners *corners)
     return (bits_of(eng_max4(above, below) > margin) & 7u) != 0;
 }
 
-/* Vectors, one in each of three lanes: of the corners of a leaf, or of edges that begin
- * there. The last lane has what is of no use. */
-struct vectors {
-    f4 x[3]; /* by axis */
-};
-
 static inline struct vectors vectors_of(const f4 x[3])
 {
     struct vectors v;
@@ -811,48 +782,6 @@ static inline f4 next4(f4 x)
 static inline struct vectors next_of(const struct vectors *v)
 {
     return (struct vectors){{next4(v->x[0]), next4(v->x[1]), next4(v->x[2])}};
-}
-
-static inline f4 dot4(const struct vectors *u, const struct vectors *v)
-{
-    return u->x[0] * v->x[0] + u->x[1] * v->x[1] + u->x[2] * v->x[2];
-}
-
-static inline f4 sqrt4(f4 x)
-{
-#ifdef __SSE__
-    return __builtin_ia32_sqrtps(x);
-#else
-    return (f4){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
-#endif
-}
-
-/* Return vectors of unit length; zeros of those that are almost that. */
-static inline struct vectors unit4(const struct vectors *v)
-{
-    struct vectors n;
-    f4 square = dot4(v, v);
-    eng_i4 is_known = square > all4(SQUARE_LEAST);
-    f4 inverse = all4(1) / sqrt4(eng_max4(square, all4(SQUARE_LEAST)));
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; k++) {
-        n.x[k] = (f4)((eng_i4)(v->x[k] * inverse) & is_known);
-    }
-    return n;
-}
-
-/* Return unit vectors across two of unit size, about; zeros where these are almost
- * parallel. */
-static inline struct vectors across4(const struct vectors *u, const struct vectors *v)
-{
-    struct vectors n;
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3;
-        int j = (k + 2) % 3;
-        n.x[k] = u->x[i] * v->x[j] - u->x[j] * v->x[i];
-    }
-    return unit4(&n);
 }
 
 /* Two leaves in a span, at both ends of it, by corners. */
@@ -1120,33 +1049,9 @@ struct four {
     struct vectors b[2][3];
 };
 
-/* Load corners of a leaf into all lanes. */
-static void load_one(const struct eng_body *body, unsigned end, uint32_t child,
-                     struct vectors to[3])
+static struct leaf_corners corners_in(const struct eng_body *body, unsigned end)
 {
-    const uint32_t *v = body->mesh->leaves[child & ~ENG_BODY_LEAF].v;
-    for (int i = 0; i < 3; i++) {
-        f4 x = corner_of(body, end, v[i]);
-        to[i] = (struct vectors){{all4(x[0]), all4(x[1]), all4(x[2])}};
-    }
-}
-
-/* Load those of the children that are leaves. */
-static void load_four(const struct eng_body *body, unsigned end,
-                      const uint32_t children[4], struct vectors to[3])
-{
-    f4 x[4][3] = {{{0}}};
-    for (int n = 0; n < 4; n++) {
-        if (children[n] != ENG_BODY_NONE && children[n] & ENG_BODY_LEAF) {
-            const uint32_t *v = body->mesh->leaves[children[n] & ~ENG_BODY_LEAF].v;
-            for (int i = 0; i < 3; i++) {
-                x[n][i] = corner_of(body, end, v[i]);
-            }
-        }
-    }
-    for (int i = 0; i < 3; i++) {
-        eng_body_transpose(x[0][i], x[1][i], x[2][i], x[3][i], to[i].x);
-    }
+    return (struct leaf_corners){body->x[end], body->origin, body->mesh->leaves};
 }
 
 static void place_four(const struct eng_sweep_frame *frame, bool stands,
@@ -1172,63 +1077,6 @@ static void place_four(const struct eng_sweep_frame *frame, bool stands,
     }
 }
 
-/* Return unit vectors across leaves, or zeros. */
-static struct vectors normals_of(const struct vectors x[2][3], float scale)
-{
-    struct vectors edge[2];
-#pragma GCC unroll 2
-    for (int i = 0; i < 2; i++) {
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; k++) {
-            f4 from = x[0][0].x[k] + x[1][0].x[k];
-            edge[i].x[k] = (x[0][i + 1].x[k] + x[1][i + 1].x[k] - from) * all4(scale);
-        }
-    }
-    return across4(&edge[0], &edge[1]);
-}
-
-/* Return unit vectors from the middles of some leaves to those of others, or zeros. */
-static struct vectors ways_between(const struct four *four, float scale)
-{
-    struct vectors way;
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; k++) {
-        f4 from = all4(0);
-        f4 to = all4(0);
-#pragma GCC unroll 2
-        for (int end = 0; end < 2; end++) {
-#pragma GCC unroll 3
-            for (int i = 0; i < 3; i++) {
-                from += four->a[end][i].x[k];
-                to += four->b[end][i].x[k];
-            }
-        }
-        way.x[k] = (to - from) * all4(scale);
-    }
-    return unit4(&way);
-}
-
-static unsigned four_apart(const struct four *four, const struct vectors *n, f4 margin)
-{
-    f4 above = all4(INFINITY);
-    f4 below = all4(INFINITY);
-#pragma GCC unroll 2
-    for (int end = 0; end < 2; end++) {
-        f4 a[3];
-        f4 b[3];
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; i++) {
-            a[i] = dot4(n, &four->a[end][i]);
-            b[i] = dot4(n, &four->b[end][i]);
-        }
-        above = eng_min4(above, eng_min4(eng_min4(b[0], b[1]), b[2]) -
-                                    eng_max4(eng_max4(a[0], a[1]), a[2]));
-        below = eng_min4(below, eng_min4(eng_min4(a[0], a[1]), a[2]) -
-                                    eng_max4(eng_max4(b[0], b[1]), b[2]));
-    }
-    return bits_of(eng_max4(above, below) > margin);
-}
-
 /* Take from the children that may meet a leaf in spans the leaves that are apart from it
  * along the way between both, or across either; returns those that are left in any of
  * the spans. */
@@ -1248,16 +1096,18 @@ static unsigned near_leaves(struct eng_sweep *sweep, const struct item *a,
         others |= (children[i] & ENG_BODY_LEAF ? 0u : 1u) << i;
     }
     for (unsigned at = 0; at < (stands ? 1 : 2); at++) {
+        const struct leaf_corners own = corners_in(body[0], at);
         if (opens_a) {
-            load_four(body[0], at, children, leaves.a[at]);
+            load_four(&own, children, leaves.a[at]);
         } else {
-            load_one(body[0], at, a->child, leaves.a[at]);
+            load_one(&own, a->child, leaves.a[at]);
         }
     }
+    const struct leaf_corners own = corners_in(body[1], 0);
     if (opens_a) {
-        load_one(body[1], 0, b->child, leaves.b[0]);
+        load_one(&own, b->child, leaves.b[0]);
     } else {
-        load_four(body[1], 0, children, leaves.b[0]);
+        load_four(&own, children, leaves.b[0]);
     }
     for (uint32_t i = first; i < end; i++) {
         struct eng_sweep_span *span = &sweep->spans[i];
@@ -1268,13 +1118,15 @@ static unsigned near_leaves(struct eng_sweep *sweep, const struct item *a,
             corners.margin = margin_of(sweep, frame);
             set_bow_of(frame, b, &corners);
             place_four(frame, stands, &leaves, &placed);
-            struct vectors way = ways_between(&placed, 1 / a->size);
-            near &= others | ~four_apart(&placed, &way, margin_along(&corners, &way));
+            struct vectors way = ways_between(placed.a, placed.b, all4(1 / a->size));
+            near &= others | ~are_four_apart(placed.a, placed.b, &way,
+                                             margin_along(&corners, &way));
             for (int side = 0; side < 2 && (near & ~others) != 0; side++) {
                 float size = side == 0 ? a->size : b->size;
                 struct vectors n =
-                    normals_of(side == 0 ? placed.a : placed.b, 1 / size);
-                near &= others | ~four_apart(&placed, &n, margin_along(&corners, &n));
+                    normals_of(side == 0 ? placed.a : placed.b, all4(1 / size));
+                near &= others | ~are_four_apart(placed.a, placed.b, &n,
+                                                 margin_along(&corners, &n));
             }
         }
         span->children = (uint16_t)near;
