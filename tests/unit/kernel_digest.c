@@ -203,17 +203,6 @@ static void run_gaps(const struct eng_kernels *kernels, const struct ground *gro
     say(kernels, "box_gaps", all);
 }
 
-/* The boxes around blocks by themselves: the same numbers as with the blocks. */
-static void run_single(const struct eng_kernels *kernels, const struct ground *ground,
-                       const struct eng_quantising *quantising)
-{
-    static struct eng_quantised_box boxes[BLOCKS];
-    kernels->quantised_boxes(ground->around, BLOCKS, quantising, boxes);
-    bool is_same = memcmp(boxes, ground->quantised_around, sizeof boxes) == 0;
-    uint64_t all = digest(DIGEST_BEGIN, &is_same, sizeof is_same);
-    say(kernels, "quantised_boxes", digest(all, boxes, sizeof boxes));
-}
-
 /* Cells in which the lattice and the cloud have much room and what is far away has none;
  * the joins below use what is written here. */
 static void run_quantised(const struct eng_kernels *kernels, struct ground *ground)
@@ -234,25 +223,25 @@ static void run_quantised(const struct eng_kernels *kernels, struct ground *grou
     all = digest(all, ground->quantised_around, sizeof ground->quantised_around);
     all = digest(all, &ground->farthest, sizeof ground->farthest);
     say(kernels, "quantised_blocks", all);
-    run_single(kernels, ground, &quantising);
 }
 
-/* Edges and faces, of points that are the boxes around the blocks of the ground. */
+/* Edges and faces, of points in all lanes of the ground's blocks. */
 static void run_unite(const struct eng_kernels *kernels, struct ground *ground)
 {
     static struct eng_quantised_block united[BLOCKS];
     static struct eng_quantised_box around[BLOCKS];
     static uint32_t corner[3][BLOCKS * ENG_WIDE];
+    struct prng prng = {6};
     uint64_t all = DIGEST_BEGIN;
     for (uint32_t k = 0; k < 3; k++) {
         for (uint32_t i = 0; i < BLOCKS * ENG_WIDE; i++) {
-            corner[k][i] = ground->corner[k][i % POINTS] % BLOCKS;
+            corner[k][i] = prng_u32(&prng, POINTS);
         }
     }
     for (uint32_t corners = 2; corners <= 3; corners++) {
         const uint32_t *const of[3] = {corner[0], corner[1],
                                        corners == 3 ? corner[2] : NULL};
-        kernels->quantised_unite(ground->quantised_around, of, BLOCKS, united, around);
+        kernels->quantised_unite(ground->quantised, of, BLOCKS, united, around);
         all = digest(all, united, sizeof united);
         all = digest(all, around, sizeof around);
     }

@@ -190,14 +190,10 @@ struct eng_kernels {
                              const struct eng_extents *around, uint32_t count,
                              const struct eng_quantising *quantising,
                              const struct eng_quantised_to *to);
-    /* Make the same numbers of boxes one by one. */
-    void (*quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
-                            const struct eng_quantising *quantising,
-                            struct eng_quantised_box *quantised);
-    /* Make blocks of features in whole numbers, each the union of
-     * points[corner[0 .. 2][feature]], and the boxes around them; corner[2] NULL: of two.
-     * The larger number is that of the larger float, as rounding keeps their order. */
-    void (*quantised_unite)(const struct eng_quantised_box *points,
+    /* Make features in whole numbers, each the union of v = corner[0 .. 2][feature], in
+     * lanes v % ENG_WIDE of points[v / ENG_WIDE], and the boxes around them; corner[2]
+     * NULL: of two. The larger number is of the larger float: rounding keeps order. */
+    void (*quantised_unite)(const struct eng_quantised_block *points,
                             const uint32_t *const corner[3], uint32_t count,
                             struct eng_quantised_block *quantised,
                             struct eng_quantised_box *quantised_around);

@@ -100,136 +100,87 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
            most[2] <= ENG_QUANTISED_REACH;
 }
 
-/* ---- boxes one by one -------------------------------------------------------------- */
-
-/* A box at one end, or at both where a register has room for them. */
-#if ENG_VECTOR_BYTES >= 32
-#define ENDS 2u
-#else
-#define ENDS 1u
-#endif
-
-typedef float side __attribute__((vector_size(16 * ENDS), may_alias));
-typedef int32_t side_bits __attribute__((vector_size(16 * ENDS), may_alias));
-
-ENG_INLINE side twice(const float axes[4])
-{
-    side both;
-    for (uint32_t i = 0; i < ENDS; i++) {
-        memcpy((char *)&both + 16 * i, axes, 16);
-    }
-    return both;
-}
-
-ENG_INLINE side_bits whole_side(const float x[4], side scale, side origin)
-{
-    side y;
-    memcpy(&y, x, sizeof y);
-    y = y * scale + origin;
-#if ENG_VECTOR_BYTES >= 32
-    y = (side)_mm256_max_ps((__m256)y, _mm256_set1_ps(-0x1p15f));
-#else
-    y = (side)eng_float4_max((eng_float4)y, (eng_float4){0} - 0x1p15f);
-#endif
-    return (side_bits)(y + WHOLE);
-}
-
-void ENG_KERNEL(quantised_boxes)(const struct eng_extents *boxes, uint32_t count,
-                                 const struct eng_quantising *quantising,
-                                 struct eng_quantised_box *quantised)
-{
-    const side scale = twice(quantising->scale);
-    const side below = twice(quantising->below);
-    const side above = twice(quantising->above);
-    for (uint32_t i = 0; i < count; i++) {
-        for (uint32_t end = 0; end < 2; end += ENDS) {
-            side_bits low = whole_side(boxes[i].side[ENG_LOW0 + end], scale, below);
-            side_bits high = whole_side(boxes[i].side[ENG_HIGH0 + end], scale, above);
-            side_bits both = (high & 0xffff) | (low << 16);
-            memcpy(quantised[i].half[end], &both, sizeof both);
-        }
-    }
-}
-
 /* ---- features, of their vertices' numbers ------------------------------------------ */
 
-#if ENG_VECTOR_BYTES >= 32
-#define UNPACK_LOW(a, b)  __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
-#define UNPACK_HIGH(a, b) __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
-#define JOIN_LOW(a, b)    __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
-#define JOIN_HIGH(a, b)   __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
-#else
-#define UNPACK_LOW(a, b)  __builtin_shufflevector(a, b, 0, 4, 1, 5)
-#define UNPACK_HIGH(a, b) __builtin_shufflevector(a, b, 2, 6, 3, 7)
-#define JOIN_LOW(a, b)    __builtin_shufflevector(a, b, 0, 1, 4, 5)
-#define JOIN_HIGH(a, b)   __builtin_shufflevector(a, b, 2, 3, 6, 7)
-#endif
 #define FOUR 4u /* features at a time */
+#define ROWS 6u /* of a block */
 
-typedef int16_t numbers __attribute__((vector_size(16 * ENDS), may_alias));
-typedef uint32_t both __attribute__((vector_size(16 * ENDS), may_alias));
+typedef int16_t numbers __attribute__((vector_size(16), may_alias));
+typedef uint32_t both __attribute__((vector_size(16), may_alias));
 
-ENG_INLINE numbers larger(numbers a, numbers b)
+ENG_INLINE both larger(both a, both b)
 {
-#if ENG_VECTOR_BYTES == 64
-    return (numbers)_mm256_max_epi16((__m256i)a, (__m256i)b);
-#elif ENG_VECTOR_BYTES >= 16
-    return (numbers)eng_fi_max_halves((eng_fi)a, (eng_fi)b);
+#if ENG_VECTOR_BYTES >= 32
+    return (both)_mm_max_epi16((__m128i)a, (__m128i)b);
+#elif ENG_VECTOR_BYTES == 16
+    return (both)eng_fi_max_halves((eng_fi)a, (eng_fi)b);
 #else
-    numbers is_larger = a > b;
-    return (a & is_larger) | (b & ~is_larger);
+    numbers is_larger = (numbers)a > (numbers)b;
+    return (both)(((numbers)a & is_larger) | ((numbers)b & ~is_larger));
 #endif
 }
 
-/* Four on an axis; a box has what is above in the lower half, a block what is below. */
-ENG_INLINE void put_row(both row, struct eng_quantised_block *to, uint32_t end,
-                        uint32_t axis, uint32_t at)
+/* Return the largest of four on each axis, and 0: an end of a box. */
+ENG_INLINE both largest_lanes(both x, both y, both z)
 {
-    row = row << 16 | row >> 16;
-    for (uint32_t i = 0; i < ENDS; i++) {
-        memcpy(to->row[end + i][axis] + at, (const char *)&row + 16 * i, 16);
-    }
+    both xy = larger(__builtin_shufflevector(x, y, 0, 1, 4, 5),
+                     __builtin_shufflevector(x, y, 2, 3, 6, 7));
+    both zz = larger(z, __builtin_shufflevector(z, z, 2, 3, 0, 1));
+    both box = larger(__builtin_shufflevector(xy, zz, 0, 2, 4, 4),
+                      __builtin_shufflevector(xy, zz, 1, 3, 5, 5));
+    return box & (both){UINT32_MAX, UINT32_MAX, UINT32_MAX, 0};
 }
 
-ENG_INLINE void unite(const struct eng_quantised_box *points,
+/* Return how many numbers are before those of a vertex, the rows of its lane. */
+ENG_INLINE size_t place_of(uint32_t slot)
+{
+    return slot + (size_t)(slot / ENG_WIDE * ENG_WIDE) * (ROWS - 1);
+}
+
+ENG_INLINE void unite(const struct eng_quantised_block *points,
                       const uint32_t *const corner[3], uint32_t corners, uint32_t count,
                       struct eng_quantised_block *quantised,
                       struct eng_quantised_box *around)
 {
+    const uint32_t *numbers_of = &points->row[0][0][0];
     for (uint32_t block = 0; block < count; block++) {
-        for (uint32_t end = 0; end < 2; end += ENDS) {
-            numbers most = {0};
-            for (uint32_t at = 0; at < ENG_WIDE; at += FOUR) {
-                uint32_t first = block * ENG_WIDE + at;
-                both v[FOUR];
+        uint32_t *out = &quantised[block].row[0][0][0];
+        both most[ROWS];
+        for (uint32_t at = 0; at < ENG_WIDE; at += FOUR) {
+            const uint32_t *of[3][FOUR];
+#pragma GCC unroll 3
+            for (uint32_t k = 0; k < corners; k++) {
 #pragma GCC unroll 4
                 for (uint32_t i = 0; i < FOUR; i++) {
-                    numbers box;
-                    memcpy(&box, points[corner[0][first + i]].half[end], sizeof box);
-#pragma GCC unroll 2
-                    for (uint32_t k = 1; k < corners; k++) {
-                        numbers other;
-                        memcpy(&other, points[corner[k][first + i]].half[end],
-                               sizeof other);
-                        box = larger(box, other);
-                    }
-                    most = at + i == 0 ? box : larger(most, box);
-                    v[i] = (both)box;
+                    of[k][i] = numbers_of +
+                               place_of(corner[k][block * ENG_WIDE + at + i]);
                 }
-                both xy01 = UNPACK_LOW(v[0], v[1]);
-                both xy23 = UNPACK_LOW(v[2], v[3]);
-                both z01 = UNPACK_HIGH(v[0], v[1]);
-                both z23 = UNPACK_HIGH(v[2], v[3]);
-                put_row(JOIN_LOW(xy01, xy23), &quantised[block], end, 0, at);
-                put_row(JOIN_HIGH(xy01, xy23), &quantised[block], end, 1, at);
-                put_row(JOIN_LOW(z01, z23), &quantised[block], end, 2, at);
             }
-            memcpy(around[block].half[end], &most, sizeof most);
+#pragma GCC unroll 6
+            for (uint32_t row = 0; row < ROWS; row++) {
+                uint32_t lane = row * ENG_WIDE;
+                both box;
+#pragma GCC unroll 3
+                for (uint32_t k = 0; k < corners; k++) {
+                    both other = {of[k][0][lane], of[k][1][lane], of[k][2][lane],
+                                  of[k][3][lane]};
+                    box = k == 0 ? other : larger(box, other);
+                }
+                memcpy(out + lane + at, &box, sizeof box);
+                most[row] = at == 0 ? box : larger(most[row], box);
+            }
+        }
+        for (uint32_t end = 0; end < 2; end++) {
+            /* A box has what is above in the lower half, a block what is below. */
+            both box =
+                largest_lanes(most[3 * end], most[3 * end + 1], most[3 * end + 2]);
+            box = box << 16 | box >> 16;
+            memcpy(around[block].half[end], &box, sizeof box);
         }
     }
 }
 
-void ENG_KERNEL(quantised_unite)(const struct eng_quantised_box *points,
+void ENG_KERNEL(quantised_unite)(const struct eng_quantised_block *points,
                                  const uint32_t *const corner[3], uint32_t count,
                                  struct eng_quantised_block *quantised,
                                  struct eng_quantised_box *quantised_around)

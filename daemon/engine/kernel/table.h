@@ -15,7 +15,6 @@
     K(box_fold)                                                                          \
     K(box_unite)                                                                         \
     K(quantised_blocks)                                                                  \
-    K(quantised_boxes)                                                                   \
     K(quantised_unite)                                                                   \
     K(come_before)                                                                       \
     K(box_gaps)                                                                          \

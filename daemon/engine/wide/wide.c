@@ -168,7 +168,6 @@ static uint64_t lay_out(struct eng_wide *wide, unsigned char *block,
     uint64_t used = 0;
     LAY(wide->points, slots[PCCD_TREE_VERTICES]);
     LAY(wide->marks, slots[PCCD_TREE_VERTICES]);
-    LAY(wide->point_numbers, slots[PCCD_TREE_VERTICES]);
     LAY(wide->slot_of, scene->vertex_capacity);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];

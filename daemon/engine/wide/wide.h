@@ -102,9 +102,6 @@ struct eng_wide {
     struct eng_point *points;
     struct eng_extents *point_boxes; /* with floats alone */
     struct eng_mark *marks;          /* of the vertices, on the grid */
-    /* Of the vertices in whole numbers, each by itself: what edges and faces are made
-     * of. */
-    struct eng_quantised_box *point_numbers;
     struct eng_grid grid; /* scale 0: there is none */
     /* A vertex is beyond the grid. Set by any thread of the refit, read after it: what
      * ends the refit orders the two. */

@@ -159,8 +159,6 @@ static void quantised_points(struct eng_wide *wide, const struct eng_scene *scen
                                        &farthest});
         assert(fits); /* eng_wide_quantised_choose */
         (void)fits;
-        wide->kernels->quantised_boxes(points, part * ENG_WIDE, &wide->quantising,
-                                       wide->point_numbers + i * ENG_WIDE);
     }
     keep_most(&wide->farthest, farthest);
 }
@@ -182,8 +180,8 @@ static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
         const struct eng_wide_tree *tree = &wide->trees[kind];
         const uint32_t *corner[3];
         corners_of(tree, kind, slot, corner);
-        wide->kernels->quantised_unite(wide->point_numbers, corner, count,
-                                       tree->quantised + block,
+        wide->kernels->quantised_unite(wide->trees[PCCD_TREE_VERTICES].quantised, corner,
+                                       count, tree->quantised + block,
                                        tree->quantised_boxes + block);
     }
 }
