@@ -14,8 +14,8 @@
 #define SIDE      100u
 #define TRIANGLES (SHEETS * SIDE * SIDE * 2.0)
 #define APART     0.01 /* one sheet from the next; a square has sides of 1 / SIDE */
-#define BYTES_OF_WIDE     282.0
-#define BYTES_WITH_FLOATS 477.0
+#define BYTES_OF_WIDE     252.0
+#define BYTES_WITH_FLOATS 460.0
 #define BYTES_OF_PAPER    400.0
 
 struct cloth {

@@ -166,8 +166,11 @@ CASE(quantised__says_what_is_beyond_its_reach)
 
 /* ---- joins ------------------------------------------------------------------------- */
 
-static void join(const struct eng_kernels *kernels, const struct fixture *f, bool edges,
-                 bool is_quantised, uint32_t m, struct eng_join *job, struct lists *out)
+enum which { FACES, EDGES, NODES, WHICH_COUNT };
+
+static void join(const struct eng_kernels *kernels, const struct fixture *f,
+                 enum which which, bool is_quantised, uint32_t m, struct eng_join *job,
+                 struct lists *out)
 {
     job->a = job->b = f->blocks;
     job->b_boxes = f->around;
@@ -178,7 +181,9 @@ static void join(const struct eng_kernels *kernels, const struct fixture *f, boo
         job->a_corner[k] = f->corner[k];
         job->b_corner[k] = f->corner[k];
     }
-    join_two(edges ? kernels->join_features[PCCD_EE] : kernels->join_features[PCCD_VF],
+    join_two(which == NODES   ? kernels->join_nodes
+             : which == EDGES ? kernels->join_features[PCCD_EE]
+                              : kernels->join_features[PCCD_VF],
              job, 0, m, out);
 }
 
@@ -197,11 +202,12 @@ CASE(quantised__joins_find_the_same_pairs)
         fill(&f, &random);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
-            for (uint32_t way = 0; kernels && way < 4; way++) {
-                struct eng_join job = {.t_end = 1, .in_time = way / 2 == 1};
+            for (uint32_t way = 0; kernels && way < 2 * WHICH_COUNT; way++) {
+                const enum which which = way % WHICH_COUNT;
+                struct eng_join job = {.t_end = 1, .in_time = way / WHICH_COUNT == 1};
                 struct eng_join quantised = job;
-                join(kernels, &f, way % 2 == 1, false, round % 3, &job, &expected);
-                join(kernels, &f, way % 2 == 1, true, round % 3, &quantised, &found);
+                join(kernels, &f, which, false, round % 3, &job, &expected);
+                join(kernels, &f, which, true, round % 3, &quantised, &found);
                 assert_same_lists(&found, &expected);
                 assert_int_equal(quantised.tests, job.tests);
                 pairs += found.count;
@@ -246,13 +252,14 @@ CASE(quantised__times_hold_those_of_the_boxes)
             eng_kernels_of((enum eng_isa)(round % ENG_ISA_COUNT));
         struct eng_join job = {.t_end = 1};
         struct eng_join timed = {.t_end = 1, .in_time = true};
+        const enum which which = round % 2 == 0 ? EDGES : NODES;
         uint32_t at = 0;
         if (!kernels) {
             continue;
         }
         fill_by_cells(&f, &random, round / ENG_ISA_COUNT % 2 == 0 ? 1 : 1400);
-        join(kernels, &f, true, true, round % 3, &job, &all);
-        join(kernels, &f, true, true, round % 3, &timed, &kept);
+        join(kernels, &f, which, true, round % 3, &job, &all);
+        join(kernels, &f, which, true, round % 3, &timed, &kept);
         for (uint32_t i = 0; i < all.count; i++) {
             bool is_kept =
                 at < kept.count && kept.a[at] == all.a[i] && kept.b[at] == all.b[i];
@@ -306,7 +313,8 @@ static void check_until(const struct fixture *f, const struct lists *all,
 }
 
 /* All pairs that no vertex excludes, in the order of a join. */
-static void all_pairs(const struct fixture *f, bool edges, uint32_t m, struct lists *all)
+static void all_pairs(const struct fixture *f, enum which which, uint32_t m,
+                      struct lists *all)
 {
     static struct fixture meet;
     struct eng_join job = {.t_end = 1};
@@ -314,7 +322,7 @@ static void all_pairs(const struct fixture *f, bool edges, uint32_t m, struct li
     memset(meet.boxes, 0, sizeof meet.boxes);
     eng_kernels_of(ENG_ISA_SCALAR)
         ->box_fold(meet.boxes, BLOCKS, false, meet.blocks, meet.around);
-    join(eng_kernels_of(ENG_ISA_SCALAR), &meet, edges, false, m, &job, all);
+    join(eng_kernels_of(ENG_ISA_SCALAR), &meet, which, false, m, &job, all);
 }
 
 /* If a pair that meets before the bound were left out, mode first would miss the first
@@ -333,10 +341,10 @@ CASE(quantised__joins_go_up_to_a_time)
         /* Every other near time is so near that boxes of t = 0 are compared. */
         int exponent = round / 4 % 2 == 1 && around ? -20 : -8;
         double t = ldexp((double)prng_u32(&random, around ? 17 : 256), exponent);
-        bool edges = round / 2 % 2 == 1;
+        const enum which which = round / 2 % WHICH_COUNT;
         uint32_t m = round % 3;
         fill(&f, &random);
-        all_pairs(&f, edges, m, &all);
+        all_pairs(&f, which, m, &all);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             struct eng_join job = {.t_end = (float)t,
@@ -344,7 +352,7 @@ CASE(quantised__joins_go_up_to_a_time)
             if (!kernels) {
                 continue;
             }
-            join(kernels, &f, edges, true, m, &job, isa == 0 ? &expected : &found);
+            join(kernels, &f, which, true, m, &job, isa == 0 ? &expected : &found);
             if (isa > 0) {
                 assert_same_lists(&found, &expected);
             }
@@ -402,7 +410,7 @@ CASE(quantised__boxes_as_they_begin_reach_the_near_time)
             f.blocks, f.around, BLOCKS, &quantising,
             &(struct eng_quantised_to){f.quantised, f.quantised_around, &f.farthest}));
         assert_int_equal(f.farthest, way);
-        join(kernels, &f, true, true, 1, &job, &found);
+        join(kernels, &f, EDGES, true, 1, &job, &found);
         assert_int_equal(found.count, do_meet);
     }
 }

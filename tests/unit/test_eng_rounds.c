@@ -62,7 +62,7 @@ static struct eng_join job_of(const struct fixture *f, enum which which, uint32_
 {
     /* Of the near ones the first leaves boxes as they begin. */
     const float t_end[2][2] = {{1, 0.4f}, {0x1p-20f, 0.05f}};
-    bool is_quantised = which != NODES && way % 2 == 1;
+    bool is_quantised = way % 2 == 1;
     struct eng_join job = {.a = f->blocks,
                            .b = which == FACES ? f->others : f->blocks,
                            .b_boxes = f->around,

@@ -136,11 +136,12 @@ static float bound_of(const struct eng_wide *wide, const struct eng_wide_tree *t
                       uint32_t level, uint32_t box, uint32_t side, uint32_t axis)
 {
     uint32_t lane = box % ENG_WIDE;
-    if (level > 0 || !wide->has_quantised) {
+    if (!wide->has_quantised) {
         return eng_wide_blocks(tree, level)[box / ENG_WIDE].row[side][axis][lane];
     }
     const struct eng_quantising *quantising = &wide->quantising;
-    uint32_t both = tree->quantised[box / ENG_WIDE].row[side % 2][axis][lane];
+    const struct eng_quantised_block *blocks = tree->quantised + tree->first[level];
+    uint32_t both = blocks[box / ENG_WIDE].row[side % 2][axis][lane];
     bool is_low = side == ENG_LOW0 || side == ENG_LOW1;
     int16_t cells = (int16_t)(uint16_t)(is_low ? both & 0xffff : both >> 16);
     return cells == INT16_MIN

@@ -84,8 +84,7 @@ struct eng_join {
     const struct eng_wide_block *a;
     const struct eng_wide_block *b;
     const struct eng_extents *b_boxes; /* around each block of b */
-    /* The same in whole numbers, or NULL: only of features that move. a and b then say
-     * whether the lists are the same, and nothing else is read of them. */
+    /* The same in whole numbers, which are compared then; or NULL: of swept boxes. */
     const struct eng_quantised_block *a_quantised;
     const struct eng_quantised_block *b_quantised;
     const struct eng_quantised_box *b_quantised_boxes;

@@ -1115,7 +1115,7 @@ ENG_INLINE uint32_t join_swept(struct eng_join *job, struct eng_join_round *roun
 ENG_INLINE uint32_t find(struct eng_join *job, struct eng_join_round *round,
                          uint32_t pairs, bool self, struct wants wants)
 {
-    if (!wants.twins && job->a_quantised) {
+    if (job->a_quantised) {
         if (job->boxes == ENG_JOIN_AT) {
             return FIND(RULE_QUANTISED_NEAR);
         }
@@ -1144,7 +1144,9 @@ ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
         round->count -= pairs;
         round->first_a = round->a[0] / ENG_WIDE * ENG_WIDE;
         round->first_b = round->b[0] / ENG_WIDE * ENG_WIDE;
-        bool self = may_be_self && job->a == job->b && round->first_a == round->first_b;
+        bool self = may_be_self && job->a == job->b &&
+                    job->a_quantised == job->b_quantised &&
+                    round->first_a == round->first_b;
         round->end = find(job, round, pairs, self, wants);
         if (job->a_moving) {
             round->end = keep_moving_lanes(job, round, round->end);

@@ -173,7 +173,6 @@ static uint64_t lay_out(struct eng_wide *wide, unsigned char *block,
         struct eng_wide_tree *tree = &wide->trees[kind];
         uint32_t leaves = slots[kind] / ENG_WIDE;
         uint32_t blocks = count_blocks(slots[kind], level_count, NULL);
-        uint32_t above = level_count > 1 ? blocks - round_up(leaves, ENG_WIDE) : 0;
         for (uint32_t k = 0; k < corner_count(kind); k++) {
             LAY(tree->corner[k], slots[kind]);
         }
@@ -181,10 +180,8 @@ static uint64_t lay_out(struct eng_wide *wide, unsigned char *block,
         LAY(tree->index, is_of_vertices ? 0 : slots[kind]);
         LAY(tree->object_id, is_of_vertices ? 0 : leaves);
         LAY(tree->keys, is_of_vertices || !marked->own[kind] ? 0 : slots[kind]);
-        LAY(tree->quantised, leaves);
-        LAY(tree->quantised_boxes, leaves);
-        LAY(tree->blocks, above);
-        LAY(tree->boxes, above);
+        LAY(tree->quantised, blocks);
+        LAY(tree->quantised_boxes, blocks);
         LAY(tree->chunks, eng_wide_chunks(slots[kind]));
         LAY(tree->moving, blocks);
         LAY(tree->free, marked->free[kind] ? blocks : 0);
@@ -202,7 +199,7 @@ static uint64_t lay_out_floats(struct eng_wide *wide, unsigned char *block)
     LAY(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
-        uint32_t blocks = round_up(tree->block_count[0], ENG_WIDE);
+        uint32_t blocks = count_blocks(tree->slot_count, wide->level_count, NULL);
         LAY(tree->floats, blocks);
         LAY(tree->float_boxes, blocks);
     }
@@ -236,11 +233,21 @@ static int reserve(unsigned char **block, uint64_t *bytes, uint64_t wanted)
     return PCCD_OK;
 }
 
-static void set_nowhere(struct eng_extents *boxes, uint32_t count)
+/* Boxes that fill the last node of a level up: it has sixteen. Of floats or of whole
+ * numbers. */
+static void fill_levels_up(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                           bool floats)
 {
-    float *bound = &boxes[0].side[0][0];
-    for (size_t i = 0; i < (size_t)count * sizeof *boxes / sizeof *bound; i++) {
-        bound[i] = ENG_NOWHERE;
+    for (uint32_t level = 0; level + 1 < wide->level_count; level++) {
+        uint32_t block = tree->first[level] + tree->block_count[level];
+        for (; block < tree->first[level + 1]; block++) {
+            for (uint32_t i = 0; floats && i < 4 * ENG_SIDES; i++) {
+                tree->float_boxes[block].side[i / 4][i % 4] = ENG_NOWHERE;
+            }
+            for (uint32_t i = 0; !floats && i < 12; i++) {
+                tree->quantised_boxes[block].half[i / 6][i % 6] = INT16_MIN;
+            }
+        }
     }
 }
 
@@ -261,9 +268,7 @@ int eng_wide_reserve_floats(struct eng_wide *wide)
     }
     lay_out_floats(wide, wide->float_arrays);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        const struct eng_wide_tree *tree = &wide->trees[kind];
-        uint32_t blocks = tree->block_count[0]; /* a node of level 1 has sixteen */
-        set_nowhere(tree->float_boxes + blocks, round_up(blocks, ENG_WIDE) - blocks);
+        fill_levels_up(wide, &wide->trees[kind], true);
     }
     return PCCD_OK;
 }
@@ -404,10 +409,8 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
         struct eng_wide_tree *tree = &wide->trees[kind];
         uint32_t end = 0;
         tree->slot_count = slots[kind];
-        uint32_t blocks = count_blocks(tree->slot_count, wide->level_count, tree);
-        if (wide->level_count > 1) {
-            set_nowhere(tree->boxes, blocks - tree->first[1]);
-        }
+        count_blocks(tree->slot_count, wide->level_count, tree);
+        fill_levels_up(wide, tree, false);
         for (uint32_t i = 0; i < scene->object_count; i++) {
             const struct eng_object *object = &scene->objects[wide->items[i].id];
             uint32_t count = eng_wide_order_of(object)->count[kind];

@@ -68,14 +68,13 @@ struct eng_wide_tree {
     uint32_t slot_count; /* a multiple of 16, at least 16 */
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
-    /* Level 0, of features, with the boxes around its blocks: in whole numbers; and in
-     * floats, once a step has asked for these (eng_wide_reserve_floats). */
+    /* The blocks of all levels, one behind the other, and the boxes around them: in whole
+     * numbers; and in floats, once a step has asked for these
+     * (eng_wide_reserve_floats). */
     struct eng_quantised_block *quantised;
     struct eng_quantised_box *quantised_boxes;
     struct eng_wide_block *floats;
     struct eng_extents *float_boxes;
-    struct eng_wide_block *blocks; /* the levels above, .. */
-    struct eng_extents *boxes;     /* .. and around their blocks */
     uint32_t *corner[3];           /* edges 2, faces 3: [slot_count], vertex slots */
     /* Edges and faces: the two halves of their keys, that of the object by block; and
      * where has_own, so that joins may ask for them, the keys. */
@@ -115,6 +114,7 @@ struct eng_wide {
      * pairs of plain swept boxes: to compare with other libraries. No step does so. */
     bool is_swept;
     bool boxes_are_old; /* not made since the trees were put together */
+    struct eng_extents around; /* all vertices: of the last refit */
     uint64_t boxes_of;  /* moving.number of the step that they are of; 0: of none */
     uint64_t refit_of;  /* .. that they will be of */
     bool keeps;         /* the refit leaves the boxes of what stands as they are */
@@ -190,21 +190,19 @@ static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
            wide->trees[tree].index[slot];
 }
 
-/* Return the blocks of a level; of level 0: the floats, which are there in a step that
- * compares these. */
+/* Return the blocks of a level in floats, which are there in a step that compares
+ * these. */
 static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree *tree,
                                                      uint32_t level)
 {
-    return level == 0 ? tree->floats
-                      : tree->blocks + (tree->first[level] - tree->first[1]);
+    return tree->floats + tree->first[level];
 }
 
-/* Return the boxes around the blocks of a level; of level 0 as above. */
+/* Return the boxes around them. */
 static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,
                                                  uint32_t level)
 {
-    return level == 0 ? tree->float_boxes
-                      : tree->boxes + (tree->first[level] - tree->first[1]);
+    return tree->float_boxes + tree->first[level];
 }
 
 /* ---- what is free ------------------------------------------------------------------ */

@@ -23,12 +23,10 @@
 bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
                      double low[3], double high[3])
 {
-    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
-    if (wide->boxes_are_old || scene->framing.number != wide->frames ||
-        wide->level_count == 1) { /* in whole numbers that are others by now */
+    const struct eng_extents *box = &wide->around;
+    if (wide->boxes_are_old || scene->framing.number != wide->frames) {
         return eng_box_frames_extent(scene, low, high);
     }
-    const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
     for (int k = 0; k < 3; k++) {
         low[k] = -fmax(box->side[ENG_LOW0][k], box->side[ENG_LOW1][k]);
         high[k] = fmax(box->side[ENG_HIGH0][k], box->side[ENG_HIGH1][k]);

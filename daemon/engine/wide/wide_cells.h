@@ -111,12 +111,12 @@ static inline struct eng_extents eng_wide_box(const struct eng_wide *wide,
                                               const struct eng_wide_tree *tree,
                                               uint32_t level, uint32_t block)
 {
-    if (level > 0 || !wide->has_quantised) {
+    if (!wide->has_quantised) {
         return eng_wide_boxes(tree, level)[block];
     }
     struct eng_extents box;
     struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
-    eng_wide_unquantise(&tree->quantised_boxes[block], &back, &box);
+    eng_wide_unquantise(&tree->quantised_boxes[tree->first[level] + block], &back, &box);
     return box;
 }
 

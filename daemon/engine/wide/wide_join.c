@@ -63,10 +63,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
             struct eng_join *job = &join->jobs[kind][level];
-            *job = (struct eng_join){.a = eng_wide_blocks(a, level),
-                                     .b = eng_wide_blocks(b, level),
-                                     .b_boxes = eng_wide_boxes(b, level),
-                                     .a_own = own_marks(wide, kind, 0, level),
+            *job = (struct eng_join){.a_own = own_marks(wide, kind, 0, level),
                                      .b_own = own_marks(wide, kind, 1, level),
                                      .boxes = boxes,
                                      .farthest = farthest,
@@ -74,10 +71,14 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
             if (job->b_own && level == 0) {
                 set_keys(wide, kind, job);
             }
-            if (is_quantised && level == 0) {
-                job->a_quantised = a->quantised;
-                job->b_quantised = b->quantised;
-                job->b_quantised_boxes = b->quantised_boxes;
+            if (is_quantised) {
+                job->a_quantised = a->quantised + a->first[level];
+                job->b_quantised = b->quantised + b->first[level];
+                job->b_quantised_boxes = b->quantised_boxes + b->first[level];
+            } else {
+                job->a = eng_wide_blocks(a, level);
+                job->b = eng_wide_blocks(b, level);
+                job->b_boxes = eng_wide_boxes(b, level);
             }
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];

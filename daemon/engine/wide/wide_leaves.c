@@ -34,8 +34,8 @@ bool eng_wide_leaves_of(const struct eng_scene *scene, uint32_t object_idx,
     return counts[tree] > 0;
 }
 
-/* Boxes of the features in a block of slots, of their whole numbers. */
-static void box_leaves(const struct eng_wide *wide, enum pccd_tree tree, uint32_t block,
+/* Boxes in a block, of their whole numbers. */
+static void box_below(const struct eng_wide *wide, enum pccd_tree tree, uint32_t block,
                        uint32_t end, struct eng_leaves_below *below)
 {
     const struct eng_quantising *quantising = &wide->quantising;
@@ -89,16 +89,15 @@ void eng_wide_leaves_open(const struct eng_leaves *leaves, uint32_t node,
         for (uint32_t i = 0; i < ENG_WIDE; i++) {
             below->child[i] = (level - 1) << BLOCK_BITS | (block * ENG_WIDE + i);
         }
-        rows_of(eng_wide_blocks(tree, level) + block, leaves->end, below);
-        return;
-    }
-    for (uint32_t i = 0; i < ENG_WIDE; i++) {
-        below->child[i] = block * ENG_WIDE + i;
+    } else {
+        for (uint32_t i = 0; i < ENG_WIDE; i++) {
+            below->child[i] = block * ENG_WIDE + i;
+        }
     }
     if (wide->has_quantised) {
-        box_leaves(wide, leaves->tree, block, leaves->end, below);
+        box_below(wide, leaves->tree, tree->first[level] + block, leaves->end, below);
     } else {
-        rows_of(eng_wide_blocks(tree, 0) + block, leaves->end, below);
+        rows_of(eng_wide_blocks(tree, level) + block, leaves->end, below);
     }
 }
 

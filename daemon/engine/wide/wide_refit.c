@@ -203,26 +203,46 @@ static bool next_moving(const uint16_t *moving, uint32_t limit, uint32_t *first,
     return *first < block;
 }
 
-/* The nodes of level 1 of a chunk. */
-static void fold_chunk(const struct eng_wide *wide, const struct eng_wide_tree *tree,
-                       uint32_t chunk)
+/* A node of boxes in whole numbers, whose halves change places, and the box around it. */
+static void fold_numbers(const struct eng_quantised_box below[ENG_WIDE],
+                         struct eng_quantised_block *block,
+                         struct eng_quantised_box *around)
 {
-    uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;
-    uint32_t count = smaller(ENG_WIDE_CHUNK_NODES, tree->block_count[1] - node);
-    uint32_t first = node * ENG_WIDE;
-    struct eng_extents below[ENG_WIDE_CHUNK_BLOCKS];
-    bool is_quantised = wide->has_quantised && !wide->is_swept;
-    const struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
-    for (uint32_t i = 0; is_quantised && i < count * ENG_WIDE; i++) {
-        if (first + i < tree->block_count[0]) {
-            eng_wide_unquantise(&tree->quantised_boxes[first + i], &back, &below[i]);
-        } else {
-            below[i] = nowhere;
+    typedef int16_t numbers __attribute__((vector_size(sizeof *around)));
+    numbers most;
+    memcpy(&most, below, sizeof most);
+    for (uint32_t i = 0; i < ENG_WIDE; i++) {
+        numbers box;
+        memcpy(&box, &below[i], sizeof box);
+        numbers is_larger = box > most;
+        most = (box & is_larger) | (most & ~is_larger);
+#pragma GCC unroll 6
+        for (uint32_t row = 0; row < 6; row++) {
+            uint32_t both;
+            memcpy(&both, &below[i].half[row / 3][2 * (row % 3)], sizeof both);
+            block->row[row / 3][row % 3][i] = both << 16 | both >> 16;
         }
     }
-    wide->kernels->box_fold(is_quantised ? below : tree->float_boxes + first, count,
-                            wide->is_swept, eng_wide_blocks(tree, 1) + node,
-                            eng_wide_boxes(tree, 1) + node);
+    memcpy(around, &most, sizeof most);
+}
+
+/* Blocks first .. end - 1 of a level from 1 on. */
+static void fold(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                 uint32_t level, uint32_t first, uint32_t end)
+{
+    const struct eng_quantised_box *below =
+        tree->quantised_boxes + tree->first[level - 1] + first * ENG_WIDE;
+    if (!wide->has_quantised || wide->is_swept) {
+        wide->kernels->box_fold(eng_wide_boxes(tree, level - 1) + first * ENG_WIDE,
+                                end - first, wide->is_swept,
+                                eng_wide_blocks(tree, level) + first,
+                                eng_wide_boxes(tree, level) + first);
+        return;
+    }
+    for (uint32_t i = tree->first[level] + first; i < tree->first[level] + end; i++) {
+        fold_numbers(below, &tree->quantised[i], &tree->quantised_boxes[i]);
+        below += ENG_WIDE;
+    }
 }
 
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
@@ -244,17 +264,10 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
         refit_blocks(wide, scene, kind, block, count);
     }
     if (wide->level_count > 1) {
-        fold_chunk(wide, tree, chunk);
+        uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;
+        fold(wide, tree, 1, node,
+             smaller(node + ENG_WIDE_CHUNK_NODES, tree->block_count[1]));
     }
-}
-
-/* Blocks first .. end - 1 of a level from 2 on. */
-static void fold(const struct eng_wide *wide, const struct eng_wide_tree *tree,
-                 uint32_t level, uint32_t first, uint32_t end)
-{
-    wide->kernels->box_fold(
-        eng_wide_boxes(tree, level - 1) + first * ENG_WIDE, end - first, wide->is_swept,
-        eng_wide_blocks(tree, level) + first, eng_wide_boxes(tree, level) + first);
 }
 
 /* All of them, or those in which something moves. */
@@ -282,5 +295,15 @@ void eng_wide_refit_above(struct eng_wide *wide)
         for (uint32_t level = 2; level < wide->level_count; level++) {
             fold_level(wide, kind, level);
         }
+    }
+    const struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
+    uint32_t top = wide->level_count - 1;
+    if (wide->is_swept) { /* one end is that of both, and the other one not written */
+        const struct eng_extents *box = eng_wide_boxes(vertices, top);
+        for (uint32_t side = 0; side < ENG_SIDES; side++) {
+            memcpy(wide->around.side[side], box->side[side & ~1u], sizeof box->side[0]);
+        }
+    } else {
+        wide->around = eng_wide_box(wide, vertices, top, 0);
     }
 }
