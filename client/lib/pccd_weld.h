@@ -55,15 +55,17 @@ struct pccd_weld_counts {
  * are none of them, each one is joined to the least other one that is at most `distance`
  * away and is joined to none itself. `distance` is finite, in the unit of x; 0: they are
  * equal, as 0 and -0 are. `tells_more`, with the distance 0: count `more`, too, at the
- * price of a second search. Memory: 8 bytes a vertex, and 16 more in a frame; with
- * tells_more 8 more. Errors: E_INVAL, E_INDEX, E_NOMEM. */
+ * price of a second search. Memory: 12 bytes a vertex, and 16 more in a frame; with
+ * tells_more 12 more. Errors: E_INVAL, E_INDEX, E_NOMEM. */
 int pccd_weld_begin(const struct pccd_mesh_data *mesh, double distance, bool tells_more,
                     struct pccd_weld **weld);
 
 /* Begin with the first frame, or go on with another one: part what is farther apart
- * there. `x` is [vertex_count][3], of `format`. What was parted is not joined again: once
- * joined + more is 0, no frame changes that. Errors: E_INVAL; E_NOTFINITE: a coordinate
- * is not, or is above 1e18; E_NOMEM: only pccd_weld_end is of use then. */
+ * there. `x` is [vertex_count][3], of `format`. What was parted is not joined again:
+ * once joined + more is 0, no frame changes that. Two whose common one has gone stay
+ * one if both were so near to it that they have never been farther apart than the
+ * distance either. Errors: E_INVAL; E_NOTFINITE: a coordinate is not, or is above
+ * 1e18; E_NOMEM: only pccd_weld_end is of use then. */
 int pccd_weld_frame(struct pccd_weld *weld, const void *x, enum pccd_format format);
 
 /* Return the vertex that stands for each, [vertex_count]: the least of those that are one

@@ -26,6 +26,8 @@ struct joining {
         *list; /* those that may be parted yet, and from which; ascending; behind `to`.
                        Before the first frame: what is named, and `to` of each is 0 */
     uint32_t list_count;
+    float *reach; /* [vertex_count], behind the list: how far each has been, in units of
+                     the distance and rounded up, from the one that it is one with */
     uint32_t first_joined, joined; /* in the first frame; in all so far */
 };
 
@@ -65,15 +67,26 @@ static void place_of(const struct places *places, uint32_t vertex, double x[3])
     }
 }
 
-/* With the distance 0 the sum is infinite, or no number. */
-static bool are_near(const double a[3], const double b[3], double distance)
+/* Return the square of how far two places are apart, in units of the distance. With the
+ * distance 0 it is infinite, or no number, unless they are equal. */
+static double apart(const double a[3], const double b[3], double distance)
 {
     double sum = 0;
-    for (int k = 0; k < 3; k++) {
-        double apart = (a[k] - b[k]) / distance;
-        sum += apart * apart;
+    if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) {
+        return 0;
     }
-    return sum <= 1 || (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]);
+    for (int k = 0; k < 3; k++) {
+        double way = (a[k] - b[k]) / distance;
+        sum += way * way;
+    }
+    return sum;
+}
+
+/* Return how far two vertices have been apart at most, in the frames before this one: both
+ * were one with the same vertex. */
+static float reach_of(const struct joining *joining, uint32_t a, uint32_t b)
+{
+    return joining->reach[a] + joining->reach[b];
 }
 
 /* The chain of a cell; 0 and -0 are one number. */
@@ -116,13 +129,27 @@ static uint32_t find(const struct cells *cells, uint32_t at, const double x[3])
         }
         for (uint32_t other = is_new ? *chain_of(cells, cell, group) : NONE;
              other != NONE; other = cells->next[other]) {
-            if (other < best && cells->group[other] == group) {
+            if (other < best && cells->group[other] == group &&
+                reach_of(joining, joining->list[at], joining->list[other]) <= 1) {
                 place_of(cells->places, joining->list[other], there);
-                best = are_near(x, there, joining->distance) ? other : best;
+                best = apart(x, there, joining->distance) <= 1 ? other : best;
             }
         }
     }
     return best;
+}
+
+/* Keep how far a vertex, which is at x, has been from the one that it is joined to. */
+static void keep_reach(struct joining *joining, const struct cells *cells, uint32_t vertex,
+                       const double x[3])
+{
+    double there[3];
+    uint32_t to = joining->to[vertex];
+    place_of(cells->places, to, there);
+    float now = (float)sqrt(apart(x, there, joining->distance));
+    now = now > 0 ? nextafterf(now, 2) : 0;
+    now = fmaxf(now, reach_of(joining, vertex, to));
+    joining->reach[vertex] = fminf(now, 1); /* they are near */
 }
 
 static void join(struct joining *joining, const struct cells *cells)
@@ -141,6 +168,7 @@ static void join(struct joining *joining, const struct cells *cells)
             *head = i;
         } else {
             cells->group[i] = best; /* it is in no cell */
+            keep_reach(joining, cells, vertex, x);
             joining->joined++;
         }
     }
@@ -154,6 +182,8 @@ static void shorten(struct joining *joining, const struct cells *cells)
     for (uint32_t i = 0; i < count; i++) {
         if (joining->to[joining->list[i]] != joining->list[i]) {
             is_in[i] = is_in[cells->group[i]] = true;
+        } else {
+            joining->reach[joining->list[i]] = 0;
         }
     }
     joining->list_count = 0;
@@ -223,8 +253,9 @@ static int list_named(struct joining *joining, const struct pccd_mesh_data *mesh
 
 static int reserve(struct joining *joining, size_t vertex_count)
 {
-    joining->to = calloc(2 * vertex_count, sizeof *joining->to);
+    joining->to = calloc(vertex_count, 2 * sizeof *joining->to + sizeof *joining->reach);
     joining->list = joining->to + vertex_count;
+    joining->reach = (float *)(void *)(joining->list + vertex_count);
     return joining->to != NULL ? PCCD_OK : no_memory(vertex_count);
 }
 

@@ -49,6 +49,24 @@ CASE(weld__keeps_together_what_stays_together)
     free(x);
 }
 
+/* If it failed: two vertices that were too far apart would be one after both lay beside a
+ * third one, which has gone; or two that never were would be parted with it. */
+CASE(weld__joins_none_that_were_too_far_apart)
+{
+    for (int is_near = 0; is_near < 2; is_near++) {
+        const double way = is_near ? .25 : .75;
+        const double first[3][3] = {{0, 0, 0}, {way, 0, 0}, {-way, 0, 0}};
+        const double then[3][3] = {{5, 0, 0}, {way, 0, 0}, {way, 0, 0}};
+        struct pccd_weld *weld = begin(3, 1, false);
+        assert_int_equal(go_on(weld, first).joined, 2);
+        assert_int_equal(go_on(weld, then).joined, is_near);
+        assert_int_equal(go_on(weld, then).joined, is_near);
+        assert_int_equal(go_on(weld, first).joined, is_near);
+        assert_int_equal(pccd_weld_read(weld, NULL)[2], is_near ? 1 : 2);
+        pccd_weld_end(weld);
+    }
+}
+
 /* If it failed: the search in cells would miss pairs across their borders, or join what
  * is farther apart. */
 CASE(weld__finds_what_comparing_all_finds)
