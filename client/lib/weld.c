@@ -82,7 +82,7 @@ static double apart(const double a[3], const double b[3], double distance)
     return sum;
 }
 
-/* Return how far two vertices have been apart at most, in the frames before this one: both
+/* Return how far two vertices have been apart at most in the frames before this one: both
  * were one with the same vertex. */
 static float reach_of(const struct joining *joining, uint32_t a, uint32_t b)
 {
@@ -140,8 +140,8 @@ static uint32_t find(const struct cells *cells, uint32_t at, const double x[3])
 }
 
 /* Keep how far a vertex, which is at x, has been from the one that it is joined to. */
-static void keep_reach(struct joining *joining, const struct cells *cells, uint32_t vertex,
-                       const double x[3])
+static void keep_reach(struct joining *joining, const struct cells *cells,
+                       uint32_t vertex, const double x[3])
 {
     double there[3];
     uint32_t to = joining->to[vertex];
