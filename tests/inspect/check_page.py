@@ -610,7 +610,7 @@ class Opened(InBrowser):
             given = [float(x) for x in facts[name][1:].split(")")[0].split(",")]
             true = [float(row[of + axis]) for axis in "xyz"]
             self.assertLess(math.dist(given, true), error)
-        self.assertTrue(facts["normal"].endswith("from the second feature to the first"))
+        self.assertTrue(facts["normal"].endswith(") to the first"))
         first = positions(number - 1)
         way = [a - b for a, b in zip(first[int(row["i0"])], first[int(row["i1"])],
                                      strict=True)]

@@ -251,7 +251,7 @@ function recordFacts(step, i, meta) {
       : [["kind", KINDS[step.contacts.kind[i]].name], ["first", featureText(step, i, "a")], ["second", featureText(step, i, "b")]]),
     ...(measure?.name === "time" ? [["time", `t = ${digits(measure.of(i))}`]] : []),
     ...(measure ? [["place", pointText(placeOf(step, i, meta, 4))]] : []),
-    ...(normal.some((x) => x !== 0) ? [["normal", `${pointText(normal)}, from the second feature to the first`]] : []),
+    ...(normal.some((x) => x !== 0) ? [["normal", `${pointText(normal)} to the first`]] : []),
     ...(measure && (step.near || apart > 0) ? [[isOfBounds(step) ? "bound" : "distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
     ["number", `${nounOf(step)[0] === "contact" ? "contact" : "record"} ${i + 1} of ${meta.recording.steps === 1 ? "the file" : `this ${step.near ? "question" : "step"}, in file order`}`],
