@@ -83,6 +83,8 @@ CASE(malformed__names_what_is_wrong_in_a_ply_header)
             "element edge 1\nproperty int vertex1\nend_header\n0 0 0\n0\n",
             ":9: element \"edge\" has no property \"vertex2\""),
         BAD(HEAD "element vertex 3\nend_header\n", ":10: two elements \"vertex\""),
+        BAD("ply\nformat ascii 1.0\nelement vertex 3\n" XYZ "property double x\n",
+            ":7: two properties \"x\" of \"vertex\""),
         BAD("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
             "z\n"
             "element face 1\n" LIST "end_header\n",
@@ -153,9 +155,10 @@ CASE(malformed__names_what_is_wrong_in_an_ascii_ply)
         BAD(BODY("0 0 0\n1 0 0\n0 1 0\n2 0 1    \n"),
             ":13: face 0: 2 vertices where a face needs at least 3"),
         BAD(BODY("0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"),
-            ":13: face 0: -3 is not a possible list length"),
+            ":13: face 0: -3 is no uchar"),
         BAD(BODY("0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n"),
-            ":13: face 0: 4000000000 is not a possible list length"),
+            ":13: face 0: 4000000000 is no uchar"),
+        BAD(BODY("0 0 0\n1 0 0\n0 1 0\n256 0 1 2\n"), ":13: face 0: 256 is no uchar"),
         BAD(BODY("0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n"),
             ":13: face 0: a value is missing at the end of the line"),
         BAD(BODY("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\nmore\n"),

@@ -160,11 +160,16 @@ static enum role role_of(struct ply *ply, struct element *element,
                                         "vertex_indexes", "vertices", "indices"};
     bool is_whole = property->type->kind != REAL, is_list = property->count_type != NULL;
     for (enum role role = 0; role < NAMED_ROLES; role++) {
-        if (ply->named[role] == NULL && ctl_word_is(name, named_roles[role].property) &&
-            strcmp(element->name, named_roles[role].element) == 0) {
-            ply->named[role] = property;
-            return role;
+        if (!ctl_word_is(name, named_roles[role].property) ||
+            strcmp(element->name, named_roles[role].element) != 0) {
+            continue;
         }
+        if (ply->named[role] != NULL) {
+            ctl_file_refuse(ply->file, "two properties \"%s\" of \"%s\"",
+                            named_roles[role].property, element->name);
+        }
+        ply->named[role] = property;
+        return role;
     }
     if (strcmp(element->name, "vertex") == 0 || strcmp(element->name, "edge") == 0) {
         return SKIP;
@@ -318,6 +323,14 @@ static int check_elements(struct ply *ply)
                                  unknown->name, unknown->unknown);
 }
 
+/* The largest number of a type; what is no whole number is as large as can be. */
+static uint64_t largest(const struct type *type)
+{
+    return type->kind == REAL || type->bytes == 8
+               ? UINT64_MAX
+               : ((uint64_t)1 << (8 * type->bytes - (type->kind == SIGNED))) - 1;
+}
+
 /* a + b * c, or what comes nearest. */
 static uint64_t add_product(uint64_t a, uint64_t b, uint64_t c)
 {
@@ -325,14 +338,6 @@ static uint64_t add_product(uint64_t a, uint64_t b, uint64_t c)
     return __builtin_mul_overflow(b, c, &all) || __builtin_add_overflow(a, all, &all)
                ? UINT64_MAX
                : all;
-}
-
-/* The largest number of a type; what is no whole number is as large as can be. */
-static uint64_t largest(const struct type *type)
-{
-    return type->kind == REAL || type->bytes == 8
-               ? UINT64_MAX
-               : ((uint64_t)1 << (8 * type->bytes - (type->kind == SIGNED))) - 1;
 }
 
 /* Refuse counts that do not go with the bytes after the header, before these are read and
@@ -462,12 +467,20 @@ static bool parse(const struct ctl_word *word, const struct type *type, double *
         return type->bytes == 4 ? ctl_word_float(word, value)
                                 : ctl_word_double(word, value);
     }
-    if (!ctl_word_integer(word, &whole) ||
-        (type->bytes < 8 && (whole < INT32_MIN || whole > (int64_t)UINT32_MAX))) {
+    if (!ctl_word_integer(word, &whole)) {
         return false;
     }
     *value = (double)whole;
     return true;
+}
+
+/* Return whether a whole number is one of its type. An unsigned -1, which begins a strip,
+ * is the largest. */
+static bool fits(double value, const struct type *type)
+{
+    double most = (double)largest(type);
+    double least = type->kind == SIGNED ? -most - 1 : -1;
+    return type->kind == REAL || type->bytes == 8 || (value >= least && value <= most);
 }
 
 /* Read a value where the line of the row, or the window of the file, may end. */
@@ -493,6 +506,8 @@ static double read_beyond(struct ply *ply, const struct type *type, bool is_want
     } else if (is_wanted && !parse(&word, type, &value)) {
         ctl_file_refuse(file, "\"%.*s\" is not a%s number", CTL_QUOTE(word),
                         type->kind == REAL ? "" : " whole");
+    } else if (!fits(value, type)) {
+        ctl_file_refuse(file, "%.*s is no %s", CTL_QUOTE(word), type->name);
     }
     return value;
 }
