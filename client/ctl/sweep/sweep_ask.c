@@ -238,11 +238,20 @@ static int look_for(struct sweep *sweep, enum pccd_near_what what, uint32_t a, u
         *hit = (struct sweep_hit){.is_there = true, .is_proved = true};
         set_shapes(sweep->robot, answer.near[0].object_a, answer.near[0].object_b, hit);
     }
-    for (uint64_t i = 0; i < answer.count && all != NULL && status == PCCD_OK; i++) {
-        status =
-            add_meeting(sweep, answer.near[i].object_a, answer.near[i].object_b, all);
+    bool has_more = status == PCCD_OK;
+    while (has_more) {
+        const uint64_t step = answer.step, cursor = answer.cursor;
+        has_more = all != NULL && cursor < answer.total;
+        for (uint64_t i = 0; i < answer.count && all != NULL && status == PCCD_OK; i++) {
+            const struct pccd_near *near = &answer.near[i];
+            status = add_meeting(sweep, near->object_a, near->object_b, all);
+        }
+        pccd_answer_release(sweep->client, &answer);
+        if (has_more && status == PCCD_OK) {
+            status = pccd_fetch(sweep->client, sweep->scene, step, cursor, &answer);
+        }
+        has_more = has_more && status == PCCD_OK;
     }
-    pccd_answer_release(sweep->client, &answer);
     return status;
 }
 
