@@ -793,7 +793,7 @@ int pccd_step_safe(struct pccd_client *client, uint32_t scene,
                    double *part, struct pccd_answer *answer);
 /* Step the first vertex_count vertices of one object, as pccd_step does; all other
  * vertices stand still. It stands at x1 then, also if it met something. E_SEGMENT: the
- * object has fewer. */
+ * object has fewer; E_QUOTA: so many take more memory than a slot may have. */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer);

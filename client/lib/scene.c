@@ -226,7 +226,7 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
 
     CLI_ENTER_OR_RETURN(client);
     if (settings == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
+        return cli_fail(client, PCCD_E_INVAL, "object_get: settings is NULL");
     }
     status = call_set(client, &request, &result);
     if (status == 0) {

@@ -75,6 +75,12 @@ CASE_CROSSING(misuse__a_step_that_fails_leaves_the_records_of_its_answer)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
+    const struct pccd_motion huge = {
+        .object = crossing->object, .count = UINT32_MAX, .x1 = test_floor_x};
+
+    /* No slot may have so many: nothing is read, and the daemon does not hear of it. */
+    assert_int_equal(pccd_submit(client, crossing->scene, &huge, 1, NULL, &step),
+                     PCCD_E_QUOTA);
     for (int i = 0; i < PAGES; i++) {
         turn(crossing, &answer);
         const struct pccd_contact first = answer.contacts[0];
@@ -671,6 +677,9 @@ CASE_CROSSING(null__arguments_that_are_null_are_named)
     NAMED(pccd_mesh_put(client, NULL, &count, NULL));
     NAMED(pccd_mesh_edges(client, crossing->mesh, NULL, 3));
     NAMED(pccd_object_set(client, crossing->scene, crossing->object, NULL));
+    assert_int_equal(
+        pccd_object_get(client, crossing->scene, crossing->object, NULL), PCCD_E_INVAL);
+    assert_string_equal(pccd_error_text(client), "object_get: settings is NULL");
     NAMED(pccd_object_get(client, crossing->scene, crossing->object, NULL));
     NAMED(pccd_user_data(client, crossing->scene, NULL, 1, NULL));
     NAMED(pccd_stats(client, NULL, NULL));
