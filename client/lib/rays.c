@@ -47,8 +47,9 @@ static int check(struct pccd_client *client, const struct pccd_rays_settings *se
         double radius = settings->radii[i];
         if (!(radius >= 0 && radius <= PROTO_COORDINATE_MAX)) {
             return cli_fail(client, radius > 0 ? PCCD_E_LIMIT : PCCD_E_INVAL,
-                            "rays: the radius of ray %" PRIu32 " is %g, not 0 to 1e18", i,
-                            radius);
+                            "rays: the radius of ray %" PRIu32
+                            " is %.17g, not 0 to 1e18",
+                            i, radius);
         }
     }
     return 0;

@@ -183,7 +183,7 @@ static int explain_stray(struct srv_request *request, uint32_t first, uint32_t c
         }
     }
     return proto_error_set(&request->error, PCCD_E_NOTFINITE,
-                           "%c of vertex %u is %g, not finite or beyond 1e18",
+                           "%c of vertex %u is %.17g, not finite or beyond 1e18",
                            (int)"xyz"[at % 3], first + at / 3, number);
 }
 

@@ -295,7 +295,7 @@ int srv_stage_explain_stray(const struct srv_scene *scene, struct proto_error *e
     struct eng_stage_fault stray;
     return eng_stage_stray(scene->engine, &stray)
                ? proto_error_set(error, PCCD_E_NOTFINITE,
-                                 "object 0x%x: %c of vertex %u is %g%s, not finite or "
+                                 "object 0x%x: %c of vertex %u is %.17g%s, not finite or "
                                  "beyond 1e18",
                                  handle_of(scene, stray.object_idx),
                                  (int)"xyz"[stray.axis], stray.vertex, stray.x,
