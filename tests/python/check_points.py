@@ -169,6 +169,16 @@ class Casts(Supervised):
                                                atol=1e-5)
             rays.close()
         self.fails(pccd.Status.E_INVAL, rays.cast, self.begin[:3], self.end)
+        for radii in ([1, 2], np.ones((300, 1)), "none", [[1], [1, 2]]):
+            self.fails(pccd.Status.E_INVAL, pccd.Rays, self.client, self.scene, 300,
+                       radii=radii)
+        odd = np.array([[2 ** 53 + 1, 0, 0]] * 3)
+        for x in (odd, odd.tolist(), odd.astype(object)):  # no double is the first
+            self.fails(pccd.Status.E_INVAL, self.client.mesh_create, x, [[0, 1, 2]])
+        self.client.mesh_create(odd - 1, [[0, 1, 2]])
+        far = np.array([[1e18, 0, 0], [np.nextafter(1e18, 2e18), 0, 0], [0, 1, 0]])
+        with self.assertRaisesRegex(pccd.PccdError, r"is 1\.0000000000000001e\+18, not"):
+            self.client.mesh_create(far, [[0, 1, 2]])
 
     # If this failed, a ball or a player would be let into the hill, or held off it.
     def test_cast__spheres_and_capsules_keep_their_radius(self):

@@ -65,8 +65,11 @@ class Rays:
                             ("group", group), ("mask", mask)):
             put(settings, name, value)
         if radii is not None:
-            given = np.broadcast_to(real_numbers("radii", radii).astype(np.float64),
-                                    count)
+            given = real_numbers("radii", radii).astype(np.float64)
+            if given.shape not in ((), (1,), (count,)):
+                raise refusal(Status.E_INVAL,
+                              f"radii is {given.shape}, not ({count},) or a number")
+            given = np.broadcast_to(given, count)
             given = given if self._rods is None else given[self._rods].max(1)
             given = np.ascontiguousarray(given)
             settings.radii = given.ctypes.data

@@ -248,13 +248,21 @@ def milliseconds(name: str, seconds: float) -> int:
 
 def real_numbers(name: str, given: ArrayLike) -> NDArray[Any]:
     """An array of real numbers, of whatever type: numpy would make some of texts, dates
-    and complex numbers, too, and of what is masked."""
-    made = np.asarray(given)
+    and complex numbers, too, and of what is masked; and round integers beyond 2^53."""
+    try:
+        made = np.asarray(given)
+        whole = made.astype(np.float64) if made.dtype.kind in "iuO" else made
+    except (ValueError, TypeError, OverflowError) as why:
+        raise refusal(Status.E_INVAL, f"{name}: {why}") from None
     masked = isinstance(given, np.ma.MaskedArray) and \
         bool(np.any(getattr(given, "mask")))
     if masked or made.dtype.kind not in "fiuO":
         raise refusal(Status.E_INVAL, f"{name} has values that are masked" if masked else
                       f"{name} are {made.dtype}, not real numbers")
+    large = made[np.abs(whole) >= 2.0 ** 53].tolist() if made.dtype.kind != "f" else []
+    for value in large:
+        if isinstance(value, int) and float(value) != value:
+            raise refusal(Status.E_INVAL, f"{name} have {value}, which is no double")
     return made
 
 
