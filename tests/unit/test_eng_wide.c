@@ -144,11 +144,11 @@ static float bound_of(const struct eng_wide *wide, const struct eng_wide_tree *t
     uint32_t both = blocks[box / ENG_WIDE].row[side % 2][axis][lane];
     bool is_low = side == ENG_LOW0 || side == ENG_LOW1;
     int16_t cells = (int16_t)(uint16_t)(is_low ? both & 0xffff : both >> 16);
-    return cells == INT16_MIN
-               ? ENG_NOWHERE
-               : eng_wide_distance_of(
-                     cells, 1 / (double)quantising->scale[axis],
-                     (is_low ? quantising->below : quantising->above)[axis]);
+    eng_wide_side back = {
+        eng_wide_back_by((is_low ? quantising->below : quantising->above)[axis])};
+    eng_wide_side distance = (eng_wide_side)eng_wide_distances(
+        (eng_wide_bits){cells}, (eng_wide_side){1 / quantising->scale[axis]}, back);
+    return cells == INT16_MIN ? ENG_NOWHERE : distance[0];
 }
 
 /* Return whether the box of a vertex holds where it is at both ends. Objects have no

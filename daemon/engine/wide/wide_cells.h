@@ -43,15 +43,6 @@ static inline float eng_wide_back_by(float origin)
     return back + fabsf(back) * 0x1p-22F;
 }
 
-/* Return a distance outward that is not less than any which has this number, where
- * `origin` was added, and a cell is a power of two long. It is at most half a cell and
- * 2^-8, 2^-21 of the origin and 2^-21 of itself above what the number says. */
-static inline float eng_wide_distance_of(int16_t number, double cell, float origin)
-{
-    float distance = ((float)number + eng_wide_back_by(origin)) * (float)cell;
-    return distance + fabsf(distance) * 0x1p-22F;
-}
-
 /* One side of a box: three axes, and nowhere. */
 typedef float eng_wide_side __attribute__((vector_size(16), may_alias));
 typedef int32_t eng_wide_bits __attribute__((vector_size(16), may_alias));
@@ -75,7 +66,9 @@ eng_wide_back_of(const struct eng_quantising *quantising)
     return back;
 }
 
-/* Return the distances of three numbers, each as eng_wide_distance_of does. */
+/* Return for each number a distance outward that is not less than any which has it, in
+ * cells that are powers of two long; `back`: eng_wide_back_by. It is at most half a cell
+ * and 2^-8, 2^-21 of the origin and 2^-21 of itself above what the number says. */
 static inline eng_wide_bits eng_wide_distances(eng_wide_bits numbers, eng_wide_side cell,
                                                eng_wide_side back)
 {

@@ -38,15 +38,19 @@ bool eng_wide_leaves_of(const struct eng_scene *scene, uint32_t object_idx,
 static void box_below(const struct eng_wide *wide, enum pccd_tree tree, uint32_t block,
                        uint32_t end, struct eng_leaves_below *below)
 {
-    const struct eng_quantising *quantising = &wide->quantising;
+    const struct eng_wide_back back = eng_wide_back_of(&wide->quantising);
     for (int k = 0; k < 3; k++) {
         const uint32_t *row = wide->trees[tree].quantised[block].row[end][k];
-        double cell = 1 / (double)quantising->scale[k];
-        for (uint32_t i = 0; i < ENG_WIDE; i++) {
-            int16_t low = (int16_t)(row[i] & 0xffff);
-            int16_t high = (int16_t)(row[i] >> 16);
-            below->own[0][k][i] = eng_wide_distance_of(low, cell, quantising->below[k]);
-            below->own[1][k][i] = eng_wide_distance_of(high, cell, quantising->above[k]);
+        const eng_wide_side none = {0};
+        for (uint32_t i = 0; i < ENG_WIDE; i += 4) {
+            eng_wide_bits both; /* below: the lower half; above: the upper one */
+            memcpy(&both, row + i, sizeof both);
+            eng_wide_bits low = eng_wide_distances(
+                (both << 16) >> 16, none + back.cell[k], none + back.below[k]);
+            eng_wide_bits high = eng_wide_distances(both >> 16, none + back.cell[k],
+                                                    none + back.above[k]);
+            memcpy(&below->own[0][k][i], &low, sizeof low);
+            memcpy(&below->own[1][k][i], &high, sizeof high);
         }
     }
     below->low = (const float(*)[ENG_WIDE])below->own[0];
