@@ -111,7 +111,6 @@ libengine_la_SOURCES = \
     daemon/engine/turning/poses.c \
     daemon/engine/turning/rotation.c \
     daemon/engine/turning/stage_turning.c \
-    daemon/engine/turning/straight.c \
     daemon/engine/turning/sweep_sets.c \
     daemon/engine/turning/turning.c \
     daemon/engine/turning/turning_step.c \

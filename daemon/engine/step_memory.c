@@ -44,7 +44,7 @@ void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count)
         eng_narrow_free(worker);
         eng_turning_free(worker->turning);
         worker->turning = NULL;
-        eng_straight_free(worker->straight);
+        eng_straight()->free(worker->straight);
         worker->straight = NULL;
         eng_worker_deinit(worker);
         eng_free(worker);
@@ -178,7 +178,7 @@ static uint64_t bytes_of(const struct eng_worker *worker)
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
     return bytes + eng_narrow_bytes(worker) + eng_turning_bytes(worker->turning) +
-           eng_straight_bytes(worker->straight);
+           eng_straight()->bytes(worker->straight);
 }
 
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene)

@@ -1,4 +1,5 @@
-/* straight.c - two trees against each other, both of which go straight, or nearly. */
+/* straight.c - two trees against each other, both of which go straight, or nearly;
+ * compiled once for every instruction set, as kernels are (kernel/local.mk). */
 #include "straight.h"
 
 #include <float.h>
@@ -117,7 +118,7 @@ struct eng_straight {
     double reaches[ENG_CHUNK_MAX];
 };
 
-int eng_straight_make(struct eng_straight **straight)
+static int make(struct eng_straight **straight)
 {
     struct eng_straight *made = eng_alloc(1, sizeof *made);
     if (!made) {
@@ -131,12 +132,12 @@ int eng_straight_make(struct eng_straight **straight)
     return PCCD_OK;
 }
 
-void eng_straight_free(struct eng_straight *straight)
+static void free_all(struct eng_straight *straight)
 {
     eng_free(straight);
 }
 
-uint64_t eng_straight_bytes(const struct eng_straight *straight)
+static uint64_t bytes_of(const struct eng_straight *straight)
 {
     return straight ? sizeof *straight : 0;
 }
@@ -265,9 +266,8 @@ static void set_side(struct view *view, const struct eng_turning_side *side)
     view->is_placed = side->joint != PCCD_NO_JOINT;
 }
 
-void eng_straight_begin(struct eng_straight *straight,
-                        const struct eng_turning_side side[2],
-                        const struct eng_straight_chords *chords)
+static void begin(struct eng_straight *straight, const struct eng_turning_side side[2],
+                  const struct eng_straight_chords *chords)
 {
     double axes[AXES][3] = {{0}};
     double from[2][3];
@@ -532,8 +532,8 @@ static void take_near(struct eng_straight *straight, enum pccd_kind kind)
     for (uint32_t i = 0; i < chunk->count; i++) {
         straight->reaches[i] = chords->reach;
     }
-    const uint32_t count = eng_kernels()->reject_thick(quads, chunk->count,
-                                                       straight->reaches, straight->kept);
+    const uint32_t count = straight->worker->kernels->reject_thick(
+        quads, chunk->count, straight->reaches, straight->kept);
     for (uint32_t i = 0; i < count && !straight->stops; i++) {
         const struct feature *features = chunk->features[straight->kept[i]];
         const struct eng_sweep_pair pair = {
@@ -747,15 +747,15 @@ static void set_worker(struct eng_straight *straight, struct eng_worker *worker)
     }
 }
 
-uint32_t eng_straight_split(struct eng_straight *straight, struct eng_worker *worker,
-                            uint32_t most, uint64_t *tasks)
+static uint32_t split(struct eng_straight *straight, struct eng_worker *worker,
+                      uint32_t most, uint64_t *tasks)
 {
     set_worker(straight, worker);
     return eng_body_split(most, tasks, divide, straight);
 }
 
-void eng_straight_perform(struct eng_straight *straight, struct eng_worker *worker,
-                          uint64_t task)
+static void perform(struct eng_straight *straight, struct eng_worker *worker,
+                    uint64_t task)
 {
     struct shadows of[2];
     set_worker(straight, worker);
@@ -767,8 +767,11 @@ void eng_straight_perform(struct eng_straight *straight, struct eng_worker *work
     }
 }
 
-void eng_straight_end(struct eng_straight *straight, struct eng_worker *worker)
+static void end(struct eng_straight *straight, struct eng_worker *worker)
 {
     straight->worker = worker;
     flush(straight);
 }
+
+const struct eng_straight_calls ENG_STRAIGHT(ENG_ISA) = {make,  free_all, bytes_of, begin,
+                                                         split, perform,  end};

@@ -51,32 +51,46 @@ struct eng_straight_chords {
 /* The state of a thread. */
 struct eng_straight;
 
-/* Make one. PCCD_E_NOMEM. */
-int eng_straight_make(struct eng_straight **straight);
-void eng_straight_free(struct eng_straight *straight); /* NULL is allowed */
-uint64_t eng_straight_bytes(const struct eng_straight *straight);
+/* Calls, as an instruction set does them: all find the same, but a state belongs to the
+ * one that made it. */
+struct eng_straight_calls {
+    /* Make and free a state; NULL is allowed. PCCD_E_NOMEM. */
+    int (*make)(struct eng_straight **straight);
+    void (*free)(struct eng_straight *straight);
+    uint64_t (*bytes)(const struct eng_straight *straight);
 
-/* Get ready for two objects, which must stay until the end of the step. `chords`: one of
- * them turns; NULL: none does. Nothing is thick. Costs about as much as a few tests. */
-void eng_straight_begin(struct eng_straight *straight,
-                        const struct eng_turning_side side[2],
-                        const struct eng_straight_chords *chords);
+    /* Get ready for two objects, which must stay until the end of the step. `chords`: one
+     * of them turns; NULL: none does. Nothing is thick. Costs about as much as a few
+     * tests. */
+    void (*begin)(struct eng_straight *straight, const struct eng_turning_side side[2],
+                  const struct eng_straight_chords *chords);
 
-/* Divide the work into at most `most` tasks, each a child of a node of either side;
- * returns how many. */
-uint32_t eng_straight_split(struct eng_straight *straight, struct eng_worker *worker,
-                            uint32_t most, uint64_t *tasks);
+    /* Divide the work into at most `most` tasks, each a child of a node of either side;
+     * returns how many. */
+    uint32_t (*split)(struct eng_straight *straight, struct eng_worker *worker,
+                      uint32_t most, uint64_t *tasks);
+
+    /* Perform a task of the two: each pair of features is found by one task alone. Those
+     * that are found wait, with others, until there are enough; of two of which one turns
+     * until the end of the task. Ends when the worker is to stop, and looks whether it is
+     * every 0.1 ms or so. */
+    void (*perform)(struct eng_straight *straight, struct eng_worker *worker,
+                    uint64_t task);
+
+    /* Test what waits, when the thread has performed its last task of the step. */
+    void (*end)(struct eng_straight *straight, struct eng_worker *worker);
+};
 
 #define ENG_STRAIGHT_ALL 0u /* a task: both trees */
 
-/* Perform a task of the two: each pair of features is found by one task alone. Those that
- * are found wait, with others, until there are enough; of two of which one turns until
- * the end of the task. Ends when the worker is to stop, and looks whether it is every
- * 0.1 ms or so. */
-void eng_straight_perform(struct eng_straight *straight, struct eng_worker *worker,
-                          uint64_t task);
+#define ENG_STRAIGHT2(isa) eng_##isa##_straight
+#define ENG_STRAIGHT(isa)  ENG_STRAIGHT2(isa)
 
-/* Test what waits, when the thread has performed its last task of the step. */
-void eng_straight_end(struct eng_straight *straight, struct eng_worker *worker);
+/* Those of each set; of one that was not built there are none. */
+extern const struct eng_straight_calls eng_scalar_straight, eng_sse2_straight,
+    eng_sse4_straight, eng_avx2_straight, eng_avx512_straight, eng_neon_straight;
+
+/* Return those of the set that is in use. */
+const struct eng_straight_calls *eng_straight(void);
 
 #endif

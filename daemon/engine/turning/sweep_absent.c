@@ -1,4 +1,6 @@
 /* sweep_absent.c - in the place of a set that was not built, as kernel/absent.c. */
+#include "straight.h"
 #include "sweep.h"
 
 const struct eng_sweep_calls ENG_SWEEP(ENG_ISA) = {.init = NULL};
+const struct eng_straight_calls ENG_STRAIGHT(ENG_ISA) = {.make = NULL};

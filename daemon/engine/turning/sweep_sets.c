@@ -1,5 +1,6 @@
-/* sweep_sets.c - which of the sets that sweep.c is compiled for. */
+/* sweep_sets.c - which of the sets that sweep.c and straight.c are compiled for. */
 #include "kernel.h"
+#include "straight.h"
 #include "sweep.h"
 
 const struct eng_sweep_calls *eng_sweep_of(enum eng_isa isa)
@@ -20,4 +21,19 @@ const struct eng_sweep_calls *eng_sweep_of(enum eng_isa isa)
 const struct eng_sweep_calls *eng_sweep(void)
 {
     return eng_sweep_of(eng_kernels()->isa);
+}
+
+const struct eng_straight_calls *eng_straight(void)
+{
+    static const struct eng_straight_calls *const calls[ENG_ISA_COUNT] = {
+        [ENG_ISA_SCALAR] = &eng_scalar_straight,
+#ifdef __x86_64__
+        [ENG_ISA_SSE2] = &eng_sse2_straight,     [ENG_ISA_SSE4] = &eng_sse4_straight,
+        [ENG_ISA_AVX2] = &eng_avx2_straight,     [ENG_ISA_AVX512] = &eng_avx512_straight,
+#endif
+#ifdef __aarch64__
+        [ENG_ISA_NEON] = &eng_neon_straight,
+#endif
+    };
+    return calls[eng_kernels()->isa];
 }

@@ -49,7 +49,7 @@ int eng_turning_make(struct eng_turning **turning)
     }
     int status = eng_sweep()->init(&made->sweep);
     if (status == PCCD_OK) {
-        status = eng_straight_make(&made->straight);
+        status = eng_straight()->make(&made->straight);
     }
     if (status != PCCD_OK) {
         eng_sweep()->deinit(&made->sweep);
@@ -64,7 +64,7 @@ void eng_turning_free(struct eng_turning *turning)
 {
     if (turning) {
         eng_sweep()->deinit(&turning->sweep);
-        eng_straight_free(turning->straight);
+        eng_straight()->free(turning->straight);
         eng_free(turning);
     }
 }
@@ -72,7 +72,7 @@ void eng_turning_free(struct eng_turning *turning)
 uint64_t eng_turning_bytes(const struct eng_turning *turning)
 {
     return turning ? sizeof *turning + eng_sweep()->bytes(&turning->sweep) +
-                         eng_straight_bytes(turning->straight)
+                         eng_straight()->bytes(turning->straight)
                    : 0;
 }
 
@@ -221,7 +221,7 @@ static void begin_chords(struct eng_turning *turning, enum eng_turning_way way)
             .reach = (turning->sweep.keep + bend.bow + 2 * error) * (1 + 0x1p-40),
             .take = take,
             .owner = turning};
-        eng_straight_begin(turning->straight, side, &chords);
+        eng_straight()->begin(turning->straight, side, &chords);
     }
 }
 
@@ -450,7 +450,7 @@ int eng_turning_split(struct eng_turning *turning, struct eng_worker *worker,
     turning->is_bounded = false; /* the tasks are the same whatever has been found */
     take_bound(turning);
     if (turning->by_chords) {
-        *count = eng_straight_split(turning->straight, worker, most, tasks);
+        *count = eng_straight()->split(turning->straight, worker, most, tasks);
         return PCCD_OK;
     }
     *count = eng_sweep()->split(&turning->sweep, most, tasks);
@@ -473,7 +473,7 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
     turning->is_bounded = true;
     take_bound(turning);
     if (turning->by_chords) {
-        eng_straight_perform(turning->straight, worker, task);
+        eng_straight()->perform(turning->straight, worker, task);
         return turning->has_limit ? PCCD_E_LIMIT : PCCD_OK;
     }
     int status = eng_sweep()->run(sweep, task);

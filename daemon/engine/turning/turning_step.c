@@ -106,7 +106,7 @@ int eng_turning_step_prepare(struct eng_turning_step *step, const struct eng_sce
     }
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
         if (may_be_by_poses && !workers[i]->straight) {
-            status = eng_straight_make(&workers[i]->straight);
+            status = eng_straight()->make(&workers[i]->straight);
         }
         if (status == PCCD_OK && turns && !workers[i]->turning) {
             status = eng_turning_make(&workers[i]->turning);
@@ -668,7 +668,7 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
                          : NULL};
     }
     if (is_straight) {
-        eng_straight_begin(worker->straight, both.side, NULL);
+        eng_straight()->begin(worker->straight, both.side, NULL);
         return PCCD_OK;
     }
     both.way = way_of(step, couple->a, couple->b);
@@ -686,7 +686,7 @@ static void divide(struct eng_turning_step *step, struct eng_worker *worker)
         int status = begin_couple(step, worker, couple);
         if (are_straight(step, couple->a, couple->b)) {
             couple->task_count =
-                eng_straight_split(worker->straight, worker, ENG_TURNING_TASKS, tasks);
+                eng_straight()->split(worker->straight, worker, ENG_TURNING_TASKS, tasks);
         } else if (status == PCCD_OK) {
             status = eng_turning_split(worker->turning, worker, ENG_TURNING_TASKS, tasks,
                                        &couple->task_count);
@@ -719,7 +719,7 @@ static void perform_task(const struct eng_turning_step *step, struct eng_worker 
                          struct eng_turning_couple *couple, uint64_t task)
 {
     if (are_straight(step, couple->a, couple->b)) {
-        eng_straight_perform(worker->straight, worker, task);
+        eng_straight()->perform(worker->straight, worker, task);
         return;
     }
     int status = eng_turning_perform(worker->turning, worker, task);
@@ -874,7 +874,7 @@ void eng_turning_step_perform(struct eng_turning_step *step, struct eng_worker *
     }
     perform_tasks(step, worker);
     if (step->by_poses) {
-        eng_straight_end(worker->straight, worker);
+        eng_straight()->end(worker->straight, worker);
     }
     if (step->turns && worker->question->mode == PCCD_MODE_FIRST) {
         if (!step->is_alone) {
