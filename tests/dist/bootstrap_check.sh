@@ -84,6 +84,13 @@ bootstrap_with user demo all && grep -q 'make .*demo-programs$' "$work/calls" &&
 # If it failed, the picture would wait for all that is not in it, and nobody would know how long.
 tap_result $? bootstrap__builds_for_the_demo_what_it_needs "$log"
 
+what=wheel
+! bootstrap_with user demo all && [ ! -s "$work/calls" ] && grep -q 'missing: program patchelf ' "$log" &&
+    false_program demo patchelf 'exit 0' && bootstrap_with user demo all &&
+    tail -n 1 "$work/calls" | grep -q 'make .* wheel$'
+# If it failed, the first command that README has for Python would end with what is missing.
+tap_result $? bootstrap__makes_the_python_package "$log"
+
 what=check
 bootstrap_with user demo all # nothing has passed
 for part in idle alone beside; do
