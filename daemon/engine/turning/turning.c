@@ -56,6 +56,7 @@ int eng_turning_make(struct eng_turning **turning)
         eng_free(made);
         return status;
     }
+    made->looks = 0;
     *turning = made;
     return PCCD_OK;
 }
