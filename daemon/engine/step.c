@@ -485,7 +485,7 @@ static int step(struct eng_scene *scene, const struct eng_question *question,
     r.incomplete =
         (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
     merge(&team, memory, begin_ns, detect_ns, &r);
-    if (turns) {
+    if (turns && team.search != search_nothing) {
         remember_rest(memory, &r);
     }
     if (by_bodies) {

@@ -550,6 +550,28 @@ CASE(turning__keeps_what_stands)
     }
 }
 
+/* If it failed: two that stand and meet would be taken not to, once a step was over
+ * before it began: by what the last one knew, or by its deadline. */
+CASE(turning__forgets_nothing_in_a_step_that_is_over)
+{
+    const double low[3] = {0.6, 0.6, -1}, within[3] = {0.65, 0.65, -1.5};
+    const double high[3] = {0.7, 0.7, 1}, beyond[3] = {0.8, 0.8, 1.5};
+    for (int is_cut = 0; is_cut < 2; is_cut++) {
+        struct eng_question settings = ENG_QUESTION_DEFAULT;
+        settings.mode = PCCD_MODE_ANY;
+        kit_begin_with(bar(0), kit_box(low, high, false));
+        kit_put(kit_box(within, beyond, false));
+        for (int s = 0; s < 5; s++) {
+            const struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, -0.5);
+            settings.deadline_ns = is_cut && s % 2 == 0;
+            check_staging(kit.scene, kit.idx[0], &joint);
+            struct eng_step_result result = kit_step(kit.scene, &settings);
+            assert_int_equal(result.verdict, is_cut && s == 0 ? PCCD_VERDICT_NONE
+                                                              : PCCD_VERDICT_YES);
+        }
+    }
+}
+
 /* If it failed: a mesh in many objects, all of which move, would cost each of them boxes
  * in the first step. */
 CASE(bodies__of_one_mesh_need_no_boxes)
