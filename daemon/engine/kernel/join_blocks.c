@@ -609,14 +609,16 @@ ENG_INLINE uint32_t block_stride(bool plain)
 {
     static_assert(sizeof(struct eng_quantised_block) == sizeof(union eng_join_ready),
                   "blocks of one size");
-    return (plain ? sizeof(struct eng_wide_block) : sizeof(union eng_join_ready)) / 4;
+    const size_t bytes =
+        plain ? sizeof(struct eng_wide_block) : sizeof(union eng_join_ready);
+    return (uint32_t)(bytes / 4);
 }
 
 ENG_INLINE uint32_t around_stride(enum rule rule)
 {
-    return (is_from_trees(rule) ? sizeof(struct eng_quantised_box)
-                                : sizeof(union eng_join_around)) /
-           4;
+    const size_t bytes = is_from_trees(rule) ? sizeof(struct eng_quantised_box)
+                                             : sizeof(union eng_join_around);
+    return (uint32_t)(bytes / 4);
 }
 
 ENG_INLINE struct bounds rows_at(const uint32_t *x, enum rule rule)
