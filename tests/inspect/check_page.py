@@ -514,12 +514,22 @@ class Opened(InBrowser):
         self.browser.run("pccd.state.set({t: 0.99999999977})")
         self.browser.frames()
         self.assertEqual(self.text("caption"), "step 1; t = 0.9999999998")
+        # Both places that tell the time tell the same, also while it plays.
+        self.assertEqual(self.browser.run("""
+            pccd.state.set({t: 0.25});
+            return ['caption', 'time-number'].map((name) =>
+              document.getElementById(name).textContent);"""),
+                         ["step 1; t = 0.25", "0.25"])
         self.set("find", "nonsense")
+        self.assertTrue(self.is_seen("go-first"))  # no button moves to where it was
+        self.assertFalse(self.browser.run(
+            "return document.getElementById('go-first').matches(':enabled')"))
         self.browser.click("#go-earliest")
         index = next(i for i, said in enumerate(self.scene.steps) if said["contacts"])
         self.browser.wait("return pccd.state.values.chosen >= 0")
         self.assertEqual(self.value("index"), index)
         self.assertLess(abs(self.value("t") - self.scene.times(index + 1)[0]), 1e-6)
+        self.assertEqual(self.text("detail-head"), "First contact of all steps")
         self.assertFalse(self.browser.run(
             "return document.getElementById('go-earliest').matches(':enabled')"))
         # Where all steps have as many, none is the one with most.
@@ -550,6 +560,15 @@ class Opened(InBrowser):
             self.assertGreater(drawn.get(colour, 0), 5, name)
             colours.append(colour)
         self.assertApart(colours)
+        # A kind with how it begins is not cut.
+        self.browser.run("pccd.data.step(pccd.state.values.index).contacts.flags.fill(2);"
+                         "pccd.state.set({chosen: 1})")
+        self.addCleanup(self.open)
+        self.browser.frames(3)
+        kinds = self.browser.run("""
+            return [...document.querySelectorAll('#contact-rows .kind')].map((one) =>
+              [one.textContent.slice(2), one.scrollWidth > one.clientWidth]);""")
+        self.assertEqual(kinds[:2], [[" at 0", False]] * 2)
 
     def assertApart(self, colours):
         """In grey, too."""
@@ -579,7 +598,7 @@ class Opened(InBrowser):
             f"v{vertex}": all_of,
             f"Vertex #{vertex}": all_of,
             "t < 0.5": sum(float(row["toi"]) < 0.5 for row in rows),
-            "face": len(vf), "": len(rows),
+            "face": len(vf), "": len(rows), "vf": len(vf), "EE": len(ee), "edge 0-2": 0,
             "vertex 99999": 0, "nonsense": 0, "vertex -1": 0}
         self.assertGreater(len(vf) * len(ee), 0)
         for text, many in wanted.items():
@@ -592,6 +611,9 @@ class Opened(InBrowser):
                 unknown = {"nonsense": "“nonsense”", "vertex -1": "“-1”"}.get(text)
                 self.assertEqual(": frame0 has 174 vertices" in said,
                                  text == "vertex 99999", said)
+                self.assertEqual(": frame0 has no edge 0-2" in said,
+                                 text == "edge 0-2", said)
+                self.assertEqual(" in this step" in said, many < len(rows), said)
                 self.assertEqual("no object is called" in said, unknown is not None)
                 self.assertIn(unknown or "", said)
 
@@ -604,13 +626,13 @@ class Opened(InBrowser):
         facts = self.facts("detail-facts")
         row = next(row for row in self.scene.contacts if int(row["step"]) == number)
         self.assertEqual(facts["first"], f"vertex {row['i0']}, the line shows its path")
-        self.assertEqual(shlex.split(facts["drawn by"]), [
+        self.assertEqual(shlex.split(facts["picture command"]), [
             "pccdctl", "render", NAME, "--steps", str(number), "--at", "contact 1"])
         for name, of, error in (("place", "a", 0.02), ("normal", "n", 1e-4)):
             given = [float(x) for x in facts[name][1:].split(")")[0].split(",")]
             true = [float(row[of + axis]) for axis in "xyz"]
             self.assertLess(math.dist(given, true), error)
-        self.assertTrue(facts["normal"].endswith(") to the first"))
+        self.assertIn("), points from the second to the first", facts["normal"])
         first = positions(number - 1)
         way = [a - b for a, b in zip(first[int(row["i0"])], first[int(row["i1"])],
                                      strict=True)]
@@ -629,6 +651,20 @@ class Opened(InBrowser):
         self.assertLess(max(abs(x - float(row["b" + axis]))
                             for x, axis in zip(told["at"], "xyz", strict=True)), 1e-5)
         self.assertEqual(self.text("copied"), "copied")
+        # The list, as check --contacts has it.
+        self.set("find", "vf")
+        self.browser.click("#copy-list")
+        self.browser.wait("return window.copied.startsWith('step,kind')")
+        copied = csv.DictReader(self.browser.run("return window.copied").splitlines())
+        same = ("step", "kind", "i0", "i1", "i2", "i3", "proved")
+        true = sorted((row for row in self.scene.contacts
+                       if (int(row["step"]), row["kind"]) == (number, "vf")),
+                      key=lambda row: float(row["toi"]))
+        for given, row in zip(copied, true, strict=True):
+            self.assertEqual([given[name] for name in same], [row[name] for name in same])
+            self.assertEqual(float(given["toi"]), float(row["toi"]))
+            self.assertLess(max(abs(float(given[x]) - float(row["b" + x]))
+                                for x in "xyz"), 1e-5)
 
     # If it failed, who is sent an address would see something else.
     def test_address__brings_back_what_was_looked_at(self):
@@ -878,7 +914,7 @@ class Objects(InBrowser):
         pccdctl("check", "--between", "sheet,peg", "--page", page, self.objects.files,
                 check=False, folder=All.folder)
         self.open(page)
-        self.assertTrue(self.facts("detail-facts")["drawn by"].startswith(
+        self.assertTrue(self.facts("detail-facts")["picture command"].startswith(
             "pccdctl render FILES --between sheet,peg --steps 1 "))
 
     # If it failed, objects would have numbers where the user gave them names.
@@ -890,7 +926,7 @@ class Objects(InBrowser):
         title = "return document.getElementById('sentence').title"
         self.assertEqual(self.browser.run(title), sentence)  # which may be cut
         self.assertNotIn("recorded", self.text("chips"))  # it was computed
-        self.assertTrue(self.facts("detail-facts")["drawn by"].startswith(
+        self.assertTrue(self.facts("detail-facts")["picture command"].startswith(
             f"pccdctl render {self.objects.files} --steps 1 "))
         self.assertIn("1 of 1 step drawn", self.text("chips"))
         # What the box of words says before any stands in it is not cut by the pairs.
@@ -904,6 +940,15 @@ class Objects(InBrowser):
             const room = find.clientWidth - 34; // beside its rims and the cross
             find.style.flexGrow = '';
             return width > 60 && width <= room;"""))
+        self.browser.run("document.getElementById('objects-fold').open = true")
+        self.browser.frames()
+        self.assertTrue(self.browser.run("""
+            const {bottom} = document.querySelector('.object').getBoundingClientRect();
+            return bottom <= innerHeight;"""))
+        self.browser.click(".object input")
+        self.assertEqual(self.text("object-count"),
+                         "3, 1 hidden; contacts stay in the view and in the list")
+        self.browser.click(".object input")
         self.set("find", "vertex 4 of peg")
         self.assertIn("peg has 3 vertices", self.text("picked"))
         self.set("find", "")
@@ -921,6 +966,8 @@ class Objects(InBrowser):
         self.set("pair", "")
         self.set("find", "green")  # the third of colours.js
         self.assertEqual(len(self.value("picked")), both["sheet", POST])
+        self.assertTrue(self.facts("detail-facts")["normal"].endswith(
+            f", points from sheet to {POST}"), self.facts("detail-facts"))
         self.set("find", "peg vertex")
         self.assertEqual(len(self.value("picked")), both["sheet", "peg"])
         self.browser.click("#go-first")
@@ -959,6 +1006,19 @@ class Objects(InBrowser):
                     self.assertEqual(self.browser.run(BARS), [
                         [f"step {i + 1}: {many} {name}{absent[i]}", many > 0]
                         for i, many in enumerate(counts)])
+            # Each pair is offered, and what is told of all pairs says so.
+            self.set("pair", "1,2")
+            self.assertIn("peg and post: never", self.text("pair"))
+            self.assertIn(", all pairs of objects: ", self.text("sentence"))
+            self.assertIn("safe step of all pairs", self.facts("facts"))
+            self.set("step", 0)
+            self.browser.run("""
+                const t = Math.min(...pccd.data.step(0).contacts.toi);
+                pccd.state.set({t, pair: '0,3'});""")
+            self.assertIn(", its first contact of this pair", self.text("caption"))
+            self.browser.run("pccd.state.set({pair: '0,1'})")
+            self.assertNotIn("first", self.text("caption"))
+            self.set("pair", pair)
             if page == "fall.html":  # the first of the pair, and on from there
                 self.browser.run("document.activeElement.blur()")
                 self.browser.press(HOME, held=[SHIFT])
@@ -970,6 +1030,17 @@ class Objects(InBrowser):
                     self.browser.wait("const {index, chosen, pair} = pccd.state.values;"
                                       "return index === arguments[0] && chosen >= 0 "
                                       "&& pair === '0,3'", step)
+
+    # If it failed, one would have to search each step between the first and the last.
+    def test_steps__that_meet_are_all_named_while_they_fit(self):
+        files = [f"fall{i}.obj" for i in [0, 3, 3, 0] * 3 + [0]]
+        with open(os.path.join(All.folder, "fro.json"), "w") as to:
+            json.dump({"pccd_scene": 1, "objects": [
+                {"name": "sheet", "files": files}, {"name": "peg", "files": "peg.obj"}]},
+                to)
+        pccdctl("inspect", "fro.json", folder=All.folder)
+        self.open(os.path.join(All.folder, "fro.html"))
+        self.assertIn("something meets, 1, 3, 5, 7, 9 and 11; first", self.text("whole"))
 
     # If it failed, a page that has no room for the counts of all pairs would say of those
     # that two objects do not meet.
@@ -985,8 +1056,8 @@ class Objects(InBrowser):
         self.open(os.path.join(All.folder, "points.html"), "#kinds=00000")  # draws none
         self.set("pair", "0,1")
         self.assertEqual(
-            self.text("whole"), "p0 and p1 meet in 4 of 6 steps, 1 to 4; of 2 that is "
-            "not known, as the page has no room to count the pairs of 2: --max-size "
+            self.text("whole"), "p0 and p1 meet in 4 of 6 steps, 1 to 4; 2 steps: not "
+            "known, as the page has no room to count the pairs of 2: --max-size "
             "allows more; first in step 1")
         self.assertEqual([told for told, _ in self.browser.run(BARS)][3:5], [
             "step 4: 1 of p0 and p1", "step 5: not known how many of p0 and p1"])
@@ -1073,6 +1144,8 @@ class Objects(InBrowser):
                 self.assertIn(words, self.text("sentence"))
                 self.assertNotIn("meets", self.text("sentence"))
                 if safe:
+                    self.assertEqual("begins with 2 pairs that intersect"
+                                     in self.text("chips"), files == frames)
                     self.assertEqual(self.facts("facts")["safe step"], safe)
 
 
@@ -1171,6 +1244,19 @@ class LeftOut(InBrowser):
         pccdctl(*shlex.split(command)[1:], folder=All.folder)
         self.open(os.path.join(All.folder, "step-4.html"))
         self.assertEqual(number(self.text("total")), most)
+        self.assertTrue(self.text("sentence").startswith("Step 4 of 4: "))
+        self.assertIn("1 of 4 steps drawn, 1 to 3 not in the page", self.text("chips"))
+        # A part does not claim to be all.
+        self.show("--steps", "3..4")
+        self.assertTrue(self.text("sentence").startswith(
+            "Step 4 (of steps 3 to 4; 4 are recorded): "), self.text("sentence"))
+        self.assertIn("(steps 3 to 4) something meets, 3 to 4; of these first in step 3",
+                      self.text("whole"))
+        self.assertEqual(self.text("step-last"), "3\N{EN DASH}4")
+        self.assertEqual(self.text("go-earliest"), "First of steps 3 to 4")
+        self.browser.click("#go-earliest")
+        self.browser.wait("return pccd.state.values.index === 0")
+        self.assertEqual(self.text("detail-head"), "First contact of steps 3 to 4")
         self.open(behind="#step=77")
         self.assertIn("knows no step 77: its steps are 1 to 5", self.text("absent"))
 
@@ -1504,12 +1590,18 @@ class Turning(InBrowser):
               one.textContent + getComputedStyle(one, '::after').content);""")
         self.assertIn("no contact begins", facts[0])
         self.assertIn("on the way that they turn", facts[1])
+        # Where some are questions, all are counted by one name.
+        self.assertRegex(self.text("sentence"), "^Entry [0-9]+ of [0-9]+, a step: ")
+        self.assertRegex(self.text("step-text"), "^Entry [0-9]+ / [0-9]+$")
+        self.assertRegex(self.text("whole"), "In 2 of 2 steps .[0-9]+ entries are "
+                         "questions. something meets, 1 and ")
         # What was asked and refused is not told as if nothing had been found.
         self.assertRegex(self.text("chips"), "[0-9]+ questions were not answered")
         refused = next(step["index"] for step in self.browser.run(
             "return pccd.data.meta.steps") if step["answer"]["status"] != "OK")
         self.set("step", refused)
-        self.assertIn("it was not answered (E_INVAL)", self.text("sentence"))
+        self.assertIn("it was not answered: invalid argument (E_INVAL)",
+                      self.text("sentence"))
         self.assertFalse(any(digit.isdigit() for digit in self.text("picked")))
         self.set("step", 0)
         origin = self.browser.run("return pccd.data.meta.origin")

@@ -12,7 +12,7 @@
 #include "recorded_state.h"
 #include "report.h"
 
-#define FORMAT 7 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 8 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Bytes for the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
@@ -102,6 +102,9 @@ static json_t *summary_of(const struct pccd_answer *answer, bool *ok)
 {
     json_t *object = json_object();
     set_name(object, "status", pccd_status_name(answer->status), ok);
+    if (answer->status != PCCD_OK) {
+        set_name(object, "refusal", pccd_status_text(answer->status), ok);
+    }
     set_name(object, "mode", common_mode_name(answer->mode), ok);
     set_count(object, "incomplete", answer->incomplete, ok);
     set_count(object, "verdict", answer->verdict, ok);

@@ -4,8 +4,8 @@ import { colourOfObject, colourOfTime, cssOf, nameOfColour } from "./colours.js"
 import { KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, plural, prepareCanvas, showTip } from "./dom.js";
 import { findContacts, readWords } from "./find.js";
-import { countsOf, isOfPair, namesOf, pairName, stepsOfPairs } from "./pairs.js";
-import { digits, featureText, firstOf, flagText, isOfBounds, measureOf, nounOf, pairsOf, sideOf } from "./words.js";
+import { areCounted, countsOf, earliestOf, isOfPair, namesOf, neverPairs, pairName, stepsOfPairs } from "./pairs.js";
+import { digits, featureText, firstOf, flagText, isOfBounds, measureOf, nounOf, pairsOf, partText, sideOf } from "./words.js";
 
 const BINS = 60;
 const SPARE = 6; // rows beyond what is seen
@@ -177,7 +177,6 @@ export function moveChoice(state, by) {
  * steps also the first contact of all; behind the list's end the next step that has any goes on. */
 function makeGoing(data, state, { fly, goTo, show }) {
   const { all, meta: { steps } } = data;
-  const earliestOf = ({ pair }) => all.find((step) => !step.near && step.answer.toi_first !== null && countsOf(data, pair).get(step) > 0);
   /** The next step, or the one before, that has any; -1: none has. */
   const beyond = ({ index, pair }, by) => {
     let at = index + by;
@@ -187,7 +186,7 @@ function makeGoing(data, state, { fly, goTo, show }) {
     return steps[at] ? at : -1;
   };
   const goEarliest = async () => {
-    const earliest = earliestOf(state.values);
+    const earliest = earliestOf(data, state.values.pair);
     if (earliest.index !== undefined) { // else one stays here
       state.set({ kinds: KINDS.map(() => true), range: [0, 1], find: "", playing: false });
     }
@@ -199,6 +198,7 @@ function makeGoing(data, state, { fly, goTo, show }) {
     }
   };
   byId("go-earliest").addEventListener("click", goEarliest);
+  byId("go-earliest").textContent = `First of ${partText(data) || "all steps"}`;
   const goes = { "go-first": -Infinity, "go-previous": -1, "go-next": 1 };
   for (const [id, by] of Object.entries(goes)) {
     byId(id).addEventListener("click", async () => {
@@ -217,16 +217,13 @@ function makeGoing(data, state, { fly, goTo, show }) {
     const place = picked.indexOf(chosen);
     const step = data.step(index);
     const measure = measureOf(step);
-    const earliest = earliestOf({ pair });
-    const isAlone = picked.length === 0 || (picked.length === 1 && place === 0);
+    const earliest = earliestOf(data, pair);
+    const isAlone = all.length === 1 && step.contacts.count < 2; // else buttons stay in their places
     const [before, behind] = [-1, 1].map((by) => beyond({ index, pair }, by));
     byId("go-earliest").hidden = !earliest || all.length === 1;
     byId("go-earliest").disabled = index === earliest?.index && chosen >= 0 && chosen === firstOf(step, isOfPair(step, pair));
-    byId("go-first").hidden = isAlone;
-    byId("go-previous").hidden = isAlone && before < 0 && behind < 0;
-    byId("go-next").hidden = byId("go-previous").hidden;
-    byId("goes").hidden = byId("go-next").hidden && byId("go-earliest").hidden;
-    byId("go-first").disabled = place === 0;
+    byId("goes").hidden = isAlone;
+    byId("go-first").disabled = place === 0 || picked.length === 0;
     byId("go-previous").disabled = place <= 0 && before < 0;
     byId("go-next").disabled = place === picked.length - 1 && behind < 0;
     byId("go-previous").title = place > 0 || before < 0 ? "The one before (↑, enter)" : `The last of step ${steps[before].number}`;
@@ -262,6 +259,7 @@ function makeFilters(data, state) {
   });
   const names = namesOf(data);
   const others = stepsOfPairs(data);
+  const isCounted = areCounted(data);
   state.on(["index", "pair"], ({ index, pair }) => {
     const step = data.step(index);
     if (pair !== "" && pair.split(",").some((number) => !names.has(Number(number)))) {
@@ -270,11 +268,13 @@ function makeFilters(data, state) {
     }
     const here = new Map(pairsOf(step).map((its) => [its.pair, its.count]));
     const away = [...others.keys()].filter((its) => !here.has(its));
-    const offered = [...here.keys()].slice(0, PAIRS_OFFERED).concat(away.slice(0, PAIRS_OFFERED));
-    const left = here.size + away.length - offered.length;
+    const [never, neverCount] = isOfBounds(step) ? [[], 0] : neverPairs(data, step, new Set([...here.keys(), ...away]), PAIRS_OFFERED);
+    const offered = [...here.keys()].slice(0, PAIRS_OFFERED).concat(away.slice(0, PAIRS_OFFERED), never);
+    const left = here.size + away.length + neverCount - offered.length;
     const noun = step.near ? "question" : "step";
     const options = [...offered, ...(pair === "" || offered.includes(pair) ? [] : [pair])].map((its) =>
-      [its, here.has(its) ? `${count(here.get(its))} in this ${noun}` : `none in this ${noun}, some in ${count(others.get(its) ?? 0)} of all`]);
+      [its, here.has(its) ? `${count(here.get(its))} in this ${noun}` : others.has(its) ? `none in this ${noun}, some in ${count(others.get(its))} of all`
+        : isCounted ? "never" : `none in this ${noun}; of others that is not known`]);
     select.replaceChildren(element("option", { value: "" }, isOfBounds(step) ? "all objects" : "all pairs of objects"),
       ...options.map(([value, text]) => element("option", { value }, `${pairName(names, value, step)}: ${text}`)),
       ...(left > 0 ? [element("option", { disabled: true }, `${count(left)} more pairs: find one by its two names`)] : []));
@@ -311,15 +311,17 @@ export function makeContacts(data, state, does) {
     const measure = measureOf(step);
     byId("histogram").hidden = measure === null || greatest === 0;
     byId("order-box").hidden = measure === null || greatest === 0;
+    byId("copy-list").hidden = measure?.name !== "time" || picked.length === 0;
+    byId("copy-list").textContent = "Copy the list";
     byId("order").options[0].textContent = measure?.name ?? "time";
     const all = step.contacts.count;
     const { unknown, missing, own } = readWords(filters.find, step.objects);
     const ownCount = own ? picked.filter((i) => ["a", "b"].some((side) => own(sideOf(step, i, side)))).length : picked.length;
     const others = picked.length - ownCount;
-    const hint = unknown.length > 0 ? `: no object is called “${unknown[0]}”; find vertex 3, edge 4-7, face 12, t<0.5, a name`
+    const hint = unknown.length > 0 ? `: no object is called “${unknown[0]}”; find vertex 3, edge 4-7, face 12, vf, t<0.5, a name`
       : missing ? `: ${missing}`
       : picked.length === 0 ? "" : `: ${isTouched ? "tap" : "click"} a row to see it`;
-    byId("picked").textContent = step.answer.status !== "OK" ? "none: it was not answered" : `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${others > 0 ? `, ${count(ownCount)} of the vertex itself, ${count(others)} of its edges and faces` : ""}${hint}`;
+    byId("picked").textContent = step.answer.status !== "OK" ? "none: it was not answered" : `${picked.length === all ? "" : `${count(picked.length)} of `}${plural(all, ...nounOf(step))}${picked.length === all || data.all.length === 1 ? "" : ` in this ${step.near ? "question" : "step"}`}${others > 0 ? `, ${count(ownCount)} of the vertex itself, ${count(others)} of its edges and faces` : ""}${hint}`;
   });
   makeGoing(data, state, does);
   makeHistogram(data, state);

@@ -6,8 +6,9 @@
 import { byId } from "./dom.js";
 import { makePose, readJoints } from "./joints.js";
 
-const FORMAT = 7;
+const FORMAT = 8;
 const KIND_SHIFT = 6; // of a contact's kind, over its flags
+export const PROVED = 1; // enum pccd_contact_flag
 export const INITIAL = 2;
 export const INSIDE = 4;
 const CONTACT_BYTES = 35;

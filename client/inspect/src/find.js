@@ -1,6 +1,6 @@
 // find.js - which records are listed: by their objects, and by what was typed.
 
-import { FEATURES } from "./data.js";
+import { FEATURES, KINDS } from "./data.js";
 import { nameOfColour } from "./colours.js";
 import { plural } from "./dom.js";
 import { isOfPair } from "./pairs.js";
@@ -19,7 +19,7 @@ function isFeature(side, points, numbers) {
 
 /** What was typed, as tests of a record's side, or of its time; all must hold. "vertex 3" or "v3",
  * "face 12", "edge 4-7" (its vertices), "12" (any feature with that vertex), each also with the
- * object that it is of: "vertex 3 of cloth"; "t<0.5"; a part of an object's name, or its colour. A
+ * object that it is of: "vertex 3 of cloth"; "vf"; "t<0.5"; a part of an object's name, or its colour. A
  * vertex, unless it is said what it meets, stands for its edges and faces, too, and `own` tests for
  * itself; null: none does.
  * `unknown`: the words that are none of these; `missing`: of a number that no feature has, how many
@@ -57,7 +57,10 @@ export function readWords(text, objects) {
     const word = words.shift();
     const time = /^t([<>])(\d*\.?\d+)$/.exec(word);
     const points = pointsOf(word);
-    if (time) {
+    const kind = KINDS.findIndex(({ id }) => id === word);
+    if (kind >= 0) {
+      tests.push({ kind });
+    } else if (time) {
       tests.push({ time: (toi) => (time[1] === "<" ? toi < Number(time[2]) : toi > Number(time[2])) });
     } else if (points > 0 || isNumber(word)) {
       const numbers = points > 0 ? [] : [Number(word)];
@@ -69,6 +72,10 @@ export function readWords(text, objects) {
       const most = Math.max(...among.map(({ mesh }) => (points === 3 ? mesh.triangles.length / 3 : mesh.vertexCount)));
       if (numbers.some((number) => number >= most)) {
         missing = `${among.length === 1 ? `${among[0].name} has` : "none has more than"} ${plural(most, ...(points === 3 ? ["face", "faces"] : ["vertex", "vertices"]))}`;
+      }
+      if (points === 2 && numbers.length === 2 && missing === "" && !among.some(({ mesh: { edges } }) => edges.some((vertex, at) =>
+        at % 2 === 0 && numbers.includes(vertex) && numbers.includes(edges[at + 1])))) {
+        missing = `${among.length === 1 ? `${among[0].name} has` : "no object has"} ${among.length === 1 ? "no" : "an"} edge ${numbers.join("-")}`;
       }
       const testOf = (wanted) => (side) => isFeature(side, wanted, numbers) && (!isOf || isOf(side));
       tests.push({ side: testOf(Math.max(points, 0)), wide: points === 1 && numbers.length > 0 ? testOf(0) : null, isFeature: true });
@@ -100,7 +107,7 @@ export function findContacts(step, { order, find, pair }) {
     const toi = contacts.toi[i];
     if (isWanted(i)) {
       const sides = tests.length > 0 ? ["a", "b"].map((side) => sideOf(step, i, side)) : [];
-      if (tests.every(({ time, side }) => (time ? time(toi) : sides.some(side)))) {
+      if (tests.every(({ kind, time, side }) => (kind >= 0 ? contacts.kind[i] === kind : time ? time(toi) : sides.some(side)))) {
         found.push(i);
       }
     }

@@ -5,11 +5,12 @@ import { scaleGradient, setTheme } from "./colours.js";
 import { makeContacts } from "./contacts.js";
 import { makeCounters } from "./counters.js";
 import { KINDS, readData, vertexAt, verticesAt } from "./data.js";
-import { byId, oncePerFrame, plural } from "./dom.js";
+import { byId, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
 import { featuresOf } from "./marks.js";
-import { makeAbsent, makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, makeWhole, recordText } from "./panels.js";
+import { contactsText, makeAbsent, makeAnswer, makeDetail, makeHead, makeHierarchy, makeObjectList, makeWhole, recordText } from "./panels.js";
+import { isOfPair } from "./pairs.js";
 import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
 import { makeTimeline } from "./timeline.js";
@@ -131,31 +132,30 @@ function openingOf(step) {
   return { chosen: isPhone ? -1 : first, t: step.near ? 1 : first < 0 ? 0 : step.contacts.toi[first] };
 }
 
-/** Which moment of a step that is. */
-function momentText(step, t) {
-  const first = firstOf(step);
-  return first >= 0 && Math.abs(t - step.contacts.toi[first]) < 1e-6 ? ", its first contact" : { 0: ", its start", 1: ", its end" }[t] ?? "";
+/** Which moment of a step that is, for the pair that is chosen. */
+function momentText(step, t, pair) {
+  const first = firstOf(step, isOfPair(step, pair));
+  return first >= 0 && Math.abs(t - step.contacts.toi[first]) < 1e-6 ? `, its first contact${pair === "" ? "" : " of this pair"}` : { 0: ", its start", 1: ", its end" }[t] ?? "";
 }
 
 /** What is seen, under the view: which moment, and what the colours mean. */
 function makeCaption(data, state) {
-  const draw = oncePerFrame(() => {
-    const { index, t, picked } = state.values;
+  const draw = ({ index, t, pair, picked }) => { // at once, as the time beside the slider
     const step = data.step(index);
     const measure = measureOf(step);
     const greatest = step.near ? step.contacts.greatest : 1;
     const isBusiest = data.all.length > 1 && index === busiestOf(data) && step.answer.total > 0
       && data.all.every(({ number, answer }) => number === step.number || answer.total < step.answer.total);
     const which = `${step.near ? "question" : "step"} ${step.number}${isBusiest ? `, with the most ${nounOf(step)[1]}` : ""}`;
-    byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t)}`;
+    byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t, pair)}`;
     byId("scale-box").hidden = measure === null || picked.length === 0 || greatest === 0;
     byId("scale").style.background = scaleGradient();
     byId("scale-text").textContent = step.near ? "distance" : "time of impact";
     byId("scale-end").textContent = digits(greatest);
     byId("view").setAttribute("aria-label", `Step ${step.number} at time ${digits(t)}: `
       + `${plural(step.objects.length, "object", "objects")}, ${plural(picked.length, "contact", "contacts")} shown`);
-  });
-  state.on(["index", "t", "picked", "theme"], draw);
+  };
+  state.on(["index", "t", "pair", "picked", "theme"], draw);
 }
 
 function makeToggles(state, does) {
@@ -235,6 +235,11 @@ async function start() {
     await copyText(window.location.href);
     byId("copy-address").textContent = "copied";
   });
+  byId("copy-list").addEventListener("click", async () => {
+    const { index, picked } = state.values;
+    await copyText(contactsText(data.step(index), picked, data.meta));
+    byId("copy-list").textContent = "Copied";
+  });
   const does = {
     goTo,
     /** Go to one of data.all, or say that it is not drawn. */
@@ -258,7 +263,7 @@ async function start() {
   };
   byId("thick").hidden = !isThick(data.meta);
   byId("list-part").hidden = steps.every(({ contacts, lines }) => contacts.count === 0 && !lines?.count);
-  makeHead(data);
+  makeHead(data, does.show);
   makeContacts(data, state, does);
   if (view) {
     connectView(data, state, view);

@@ -40,6 +40,19 @@ function geometryOf({ at, target }) {
   return geometry;
 }
 
+/** The head of an arrow from zero to `tip`, as ends of four segments. */
+function headOf(tip) {
+  const across = [0, 1, 2].map((k) => Math.abs(tip[k])).reduce((least, x, k, all) => (x < all[least] ? k : least), 0);
+  const [a, b] = [(across + 1) % 3, (across + 2) % 3];
+  const side = [0, 0, 0];
+  side[a] = -tip[b];
+  side[b] = tip[a];
+  const length = Math.hypot(...tip) || 1;
+  const other = [0, 1, 2].map((k) => (tip[(k + 1) % 3] * side[(k + 2) % 3] - tip[(k + 2) % 3] * side[(k + 1) % 3]) / length);
+  return [side, side.map((x) => -x), other, other.map((x) => -x)]
+    .flatMap((way) => [tip, tip.map((x, k) => 0.75 * x + 0.12 * way[k])]);
+}
+
 /** Lines some pixels wide, which are the same at any distance. */
 function wideLines(colour, width) {
   const material = new LineMaterial({ linewidth: width, depthTest: false, transparent: true });
@@ -176,10 +189,11 @@ export function makeMarks(group, uniforms) {
     });
     const isApart = apartOf(step, i) > 0; // then to where the first feature is
     const tip = [0, 1, 2].map((k) => (isApart ? step.reach[3 * i + k] : size * step.contacts.normal[3 * i + k]));
+    const parts = [[0, 0, 0], tip, ...(isApart ? [] : headOf(tip))];
     addLines((t) => {
       const foot = contactAt(step, i, t);
-      return [...foot, ...foot.map((x, k) => x + tip[k])];
-    }, colours.normal, 2);
+      return parts.flatMap((part) => part.map((x, k) => foot[k] + x));
+    }, colours.normal, 3);
   }
 
   function showMarks(step, picked, isThick) {

@@ -39,6 +39,35 @@ export function countsOf({ all }, pair) {
   return last.counts;
 }
 
+/** Whether the counts of pairs are known of all steps, so that a pair without one never meets. */
+export const areCounted = ({ all }) => all.every((step) => countOf(step, "-1,-1") === 0);
+
+/** Of two different objects of a step, up to `most` pairs without records in any step, which the set `known`
+ * has, and how many there are: [pairs, count]; none where only some pairs were asked about. */
+export function neverPairs({ meta: { asked } }, { objects }, known, most) {
+  const never = [];
+  const total = asked.length > 0 ? 0 : objects.length * (objects.length - 1) / 2;
+  const numbers = objects.map(({ number }) => number).sort((a, b) => a - b);
+  const here = new Set(numbers);
+  for (let i = 0; i < numbers.length && total > 0 && never.length < most; i++) {
+    for (let k = i + 1; k < numbers.length && never.length < most; k++) {
+      const pair = `${numbers[i]},${numbers[k]}`;
+      if (!known.has(pair)) {
+        never.push(pair);
+      }
+    }
+  }
+  const met = [...known.keys()].filter((pair) => {
+    const [a, b] = pair.split(",").map(Number);
+    return a !== b && here.has(a) && here.has(b);
+  }).length;
+  return [never, Math.max(0, total - met)];
+}
+
+/** The first of data.all in which a pair meets, as far as that is known; undefined: none. */
+export const earliestOf = (data, pair) =>
+  data.all.find((step) => !step.near && step.answer.toi_first !== null && countsOf(data, pair).get(step) > 0);
+
 /** Of all pairs that any step has records of, in how many steps. */
 export function stepsOfPairs({ all }) {
   const found = new Map();
@@ -66,33 +95,32 @@ export function pairName(names, pair, step) {
   return step && isOfBounds(step) ? a : `${a} and ${pair.split(",")[0] === pair.split(",")[1] ? "itself" : b}`;
 }
 
-const RANGES_TOLD = 5;
+const RANGES_LETTERS = 90; // of them all; of more only the ends are told
 
 /** ", 3 to 41 and 50": the numbers of those of `steps` that `is` tells; "" of less than two. */
 export function rangesText(steps, is) {
   const ranges = [];
-  let isOpen = false;
-  for (const step of steps) {
-    if (is(step) && !isOpen) {
-      ranges.push([step.number]);
-    } else if (is(step)) {
+  for (const step of steps.filter(is)) {
+    if (ranges.at(-1)?.at(-1) === step.number - 1) {
       ranges.at(-1)[1] = step.number;
+    } else {
+      ranges.push([step.number]);
     }
-    isOpen = is(step);
   }
   const texts = ranges.map((range) => range.join(" to "));
-  return ranges.flat().length < 2 ? "" : ranges.length > RANGES_TOLD ? `, from ${ranges[0][0]} to ${ranges.at(-1).at(-1)}, not in all between`
-    : `, ${[...(texts.length > 1 ? [texts.slice(0, -1).join(", ")] : []), texts.at(-1)].join(" and ")}`;
+  const text = `, ${[...(texts.length > 1 ? [texts.slice(0, -1).join(", ")] : []), texts.at(-1)].join(" and ")}`;
+  return ranges.flat().length < 2 ? ""
+    : text.length > RANGES_LETTERS ? `, from ${ranges[0][0]} to ${ranges.at(-1).at(-1)}, not in all between` : text;
 }
 
-/** In which of `steps` a pair meets, as the begin of a sentence. */
-export function meetingText(data, names, pair, steps) {
+/** In which of `steps`, `part` " (steps 150 to 190)" or "", a pair meets, as the begin of a sentence. */
+export function meetingText(data, names, pair, steps, part) {
   const counts = countsOf(data, pair);
   const has = (step) => counts.get(step) > 0;
   const unknown = steps.filter((step) => counts.get(step) === undefined);
   const full = unknown.filter(({ pairs, answer }) => pairs === null && answer.mode !== "any");
   const who = pairName(names, pair);
-  return `${who.endsWith(" and itself") ? who.replace(/ and itself$/, " meets itself") : `${who} meet`} in ${count(steps.filter(has).length)} of ${plural(steps.length, "step", "steps")}`
-    + `${rangesText(steps, has)}${unknown.length === 0 ? "" : `; of ${count(unknown.length)} that is not known`}`
+  return `${who.endsWith(" and itself") ? who.replace(/ and itself$/, " meets itself") : `${who} meet`} in ${count(steps.filter(has).length)} of ${plural(steps.length, "step", "steps")}${part}`
+    + `${rangesText(steps, has)}${unknown.length === 0 ? "" : `; ${plural(unknown.length, "step", "steps")}: not known`}`
     + `${full.length === 0 ? "" : `, as the page has no room to count the pairs of ${count(full.length)}: --max-size allows more`}`;
 }

@@ -3,12 +3,12 @@
 
 import { TREES } from "./boxes.js";
 import { PHASES, colourOfObject, cssOf, nameOfColour } from "./colours.js";
-import { FEATURES, KINDS, contactAt } from "./data.js";
+import { FEATURES, KINDS, PROVED, contactAt } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { apartOf } from "./marks.js";
-import { countsOf, meetingText, namesOf, rangesText } from "./pairs.js";
+import { countsOf, earliestOf, meetingText, namesOf, rangesText } from "./pairs.js";
 import { partsOf } from "./timeline.js";
-import { INCOMPLETE, absentTexts, askedText, digits, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, renderText, sentenceOf, sideOf } from "./words.js";
+import { INCOMPLETE, absentTexts, askedText, digits, entryNoun, featureText, firstOf, flagText, headOf, isOfBounds, measureOf, nounOf, partText, refusalText, renderText, sentenceOf, sideOf } from "./words.js";
 
 const VERDICTS = ["no", "possible", "yes"];
 
@@ -26,7 +26,7 @@ function completeness(all) {
   const isTimed = all.some(({ near, answer }) => !near && answer.mode !== "pairs");
   return cut.length > 0 ? [cut.every(isRefused) ? plural(cut.length, "question was not answered", "questions were not answered")
     : `${plural(cut.length, "answer is", "answers are")} incomplete`,
-    cut.map(({ number, answer }) => `step ${number}: ${INCOMPLETE[answer.incomplete] || answer.status}`).slice(0, 10).join("; "), "warn"]
+    cut.map(({ near, number, answer }) => `${near ? "question" : "step"} ${number}: ${INCOMPLETE[answer.incomplete] || refusalText(answer)}`).slice(0, 10).join("; "), "warn"]
     : possible > 0 ? [`complete, ${count(possible)} not proved`, "every answer is complete; so many contacts are only possible", "warn"]
       : [`✓ complete${isTimed ? ", all proved" : ""}`, `every answer is complete${isTimed ? ", and no contact is only possible" : ""}`, "good"];
 }
@@ -49,31 +49,39 @@ function comparisons(all, isOfFiles) {
   ];
 }
 
-export function makeHead({ meta, all }) {
+/** "1 to 149", "150": what lies between two numbers, both left out; []: nothing does. */
+const gapBetween = (before, behind) => (behind - before < 2 ? [] : [behind - before === 2 ? `${before + 1}` : `${before + 1} to ${behind - 1}`]);
+
+export function makeHead(data, show) {
+  const { meta, all } = data;
   const { recording, steps } = meta;
+  const absent = [...gapBetween(0, all[0].number), ...gapBetween(all.at(-1).number, recording.steps + 1)];
+  const crossed = all.filter(({ near, answer }) => !near && answer.crossings > 0);
+  const intersecting = element("button", { className: "chip warn", title: `Go to step ${crossed[0]?.number}` },
+    `${all.length === 1 ? "begins" : `${plural(crossed.length, "step begins", "steps begin")}, first step ${crossed[0]?.number}`} with ${plural(crossed[0]?.answer.crossings, "pair that intersects", "pairs that intersect")}`);
+  intersecting.addEventListener("click", () => show(crossed[0]));
   const when = new Date(recording.unix_ms);
-  document.title = `${recording.name} · pccd inspect`;
-  byId("name").textContent = recording.name;
+  const name = meta.is_of_files ? recording.name.replace(/%\d*[du]/g, "…") : recording.name; // of a pattern
+  document.title = `${name} · pccd inspect`;
+  byId("name").textContent = name;
   const chips = [
-    chip(`${count(steps.length)} of ${plural(recording.steps, ...stepNoun(all))} drawn`,
+    chip(`${count(steps.length)} of ${plural(recording.steps, ...entryNoun(data))} drawn${absent.length > 0 ? `, ${absent.join(" and ")} not in the page` : ""}`,
       meta.is_full ? `The page was full: nothing is known here of what comes after step ${all.at(-1).number}. See --every, --steps and --max-size`
         : meta.every > 1 ? `One in ${meta.every} is drawn, as --every or --max-size ask; bars, the first and the most are of all ${count(all.length)} that were played`
           : "in this page, and recorded",
-      meta.is_full ? "warn" : ""),
+      meta.is_full || absent.length > 0 ? "warn" : ""),
     chip(Number.isNaN(when.getTime()) ? "?" : when.toISOString().replace("T", " ").slice(0, 16), meta.is_of_files ? "computed from the files, UTC" : "recorded, UTC"),
     chip(`libpccd ${recording.library}`, "that recorded"),
     chip(recording.cpu || "?", "instruction set of the daemon that answered then"),
     ...(recording.is_whole ? [] : [chip("cut short", "the recording has no end", "warn")]),
     ...(meta.is_rounded ? [chip("16-bit positions", "written with --round")] : []),
     ...(meta.asked.length > 0 ? [chip(`asked about: ${askedText(meta)}`, "Pairs that these options leave out may meet", "warn")] : []),
+    ...(crossed.length > 0 ? [intersecting] : []),
     chip(...completeness(all)),
     ...comparisons(all, meta.is_of_files).map((texts) => chip(...texts)),
   ];
   byId("chips").replaceChildren(...chips);
 }
-
-const stepNoun = (all) => (all.every(({ near }) => near) ? ["question", "questions"]
-  : all.some(({ near }) => near) ? ["step or question", "steps and questions"] : ["step", "steps"]);
 
 function fact(name, value, title = "") {
   return element("div", { className: "fact", title }, element("span", {}, name), element("b", {}, value));
@@ -118,12 +126,12 @@ function doneFacts({ answer, near, recorded, recorded_incomplete: reason }, all)
 }
 
 /** What is worth a line of a step's answer, beside its sentence. */
-function stepFacts({ answer, turns }) {
+function stepFacts({ answer, turns }, pair) {
   const isTimed = !["pairs", "any"].includes(answer.mode);
   return [
-    ...(isTimed ? [plainFact("safe step", digits(answer.safe_step), answer.safe_step > 0 ? "before this t no contact begins"
-      : answer.crossings > 0 ? "there is none from such a start" : answer.toi_first === 0 ? "the first contact is at the start" : "it is not known")] : []),
-    ...(turns ? [plainFact("turning bodies", "on arcs", "drawn on the way that they turn, with their contacts; boxes of hierarchies go straight")] : []),
+    ...(isTimed ? [plainFact(`safe step${pair === "" ? "" : " of all pairs"}`, digits(answer.safe_step), answer.safe_step > 0 ? "before this t no contact begins"
+      : answer.crossings > 0 ? "things already intersect at the start, so no part of this step is safe" : answer.toi_first === 0 ? "the first contact is at the start" : "it is not known")] : []),
+    ...(turns ? [plainFact("turning bodies", "on arcs", "drawn on the way that they turn, with their contacts; boxes of hierarchies go straight; recordings have no values of joints")] : []),
     ...(answer.initial > 0 ? [fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance")] : []),
     ...(answer.possible > 0 ? [fact("possible", count(answer.possible), "not proved")] : []),
   ];
@@ -131,16 +139,15 @@ function stepFacts({ answer, turns }) {
 
 /** What the step was answered: for everybody, and, folded, for those who look at the engine. */
 export function makeAnswer(data, state) {
-  state.on(["index"], ({ index }) => {
+  state.on(["index", "pair"], ({ index, pair }) => {
     const step = data.step(index);
     const { answer } = step;
-    const whole = { last: data.all.at(-1).number, scenes: [...new Set(data.meta.steps.map(({ scene }) => scene))], isOfSome: data.meta.asked.length > 0 };
-    const [before, total, behind] = sentenceOf(step, whole, true);
+    const [before, total, behind] = sentenceOf(step, data, pair, true);
     byId("sentence").replaceChildren(before,
       element("b", { id: "total" }, typeof total === "number" ? count(total) : total), behind);
-    byId("sentence").title = sentenceOf(step, whole, false).join("");
+    byId("sentence").title = sentenceOf(step, data, pair, false).join("");
     byId("records-head").textContent = headOf(step);
-    byId("facts").replaceChildren(...(isRefused(step) ? [] : step.near ? nearFacts(step) : stepFacts(step)), ...thickFacts(step), ...doneFacts(step, data.all));
+    byId("facts").replaceChildren(...(isRefused(step) ? [] : step.near ? nearFacts(step) : stepFacts(step, pair)), ...thickFacts(step), ...doneFacts(step, data.all));
     byId("engine-facts").replaceChildren(
       ...(step.near ? [] : [fact("mode", answer.mode)]),
       fact("method", `${answer.method}, ${answer.threads} thread${answer.threads === 1 ? "" : "s"}`),
@@ -189,10 +196,14 @@ export function makeWhole(data, state, show) {
   }
   const most = greatest(steps, ({ total }) => total);
   const slowest = greatest(steps.slice(1), ({ times }) => times.step);
-  const isPart = all.length < meta.recording.steps;
+  const told = [...(partText(data) ? [partText(data)] : []), ...(entryNoun(data)[0] === "entry" ? [plural(all.filter(({ near }) => near).length, "entry is a question", "entries are questions")] : [])];
+  const part = told.length > 0 ? ` (${told.join("; ")})` : "";
+  const first = partText(data) ? "; of these first in " : "; first in ";
+  const unknown = steps.filter(({ answer }) => answer.status !== "OK").length;
   const whole = () => [
-    `In ${count(meeting.length)} of ${count(steps.length)} steps${isPart ? ` (${steps[0].number} to ${steps.at(-1).number})` : ""} something${meta.asked.length > 0 ? " that was asked about" : ""} meets${rangesText(steps, meets)}`,
-    ...(meeting.length > 0 ? ["; first in ", go(meeting[0])] : []),
+    `In ${count(meeting.length)} of ${count(steps.length)} steps${part} something${meta.asked.length > 0 ? " that was asked about" : ""} meets${rangesText(steps, meets)}`,
+    ...(unknown > 0 ? [`; ${plural(unknown, "step was", "steps were")} not answered`] : []),
+    ...(meeting.length > 0 ? [first, go(meeting[0])] : []),
     ...(most.answer.total > 0 ? [", most in ", go(most), ` (${count(most.answer.total)})`] : []),
     ...(crossed.length > 0 ? [`; ${plural(crossed.length, "step begins", "steps begin")} with an intersection, the first is `, go(crossed[0])] : []),
     ...(steps.length > 2 ? ["; when this page was written, the slowest after the first was ", go(slowest), ` (${duration(slowest.answer.times.step).replace(" ", "\u00a0")})`] : []),
@@ -201,7 +212,7 @@ export function makeWhole(data, state, show) {
     const counts = countsOf(data, pair);
     const has = steps.filter((step) => counts.get(step) > 0);
     const best = has.reduce((most, step) => (counts.get(step) > counts.get(most) ? step : most), has[0]);
-    return [meetingText(data, names, pair, steps), ...(has.length > 0 ? ["; first in ", go(has[0])] : []),
+    return [meetingText(data, names, pair, steps, part), ...(has.length > 0 ? [first, go(has[0])] : []),
       ...(has.some((step) => counts.get(step) < counts.get(best)) ? [", most in ", go(best), ` (${count(counts.get(best))})`] : [])];
   };
   state.on(["pair"], ({ pair }) => byId("whole").replaceChildren(...(pair === "" ? whole() : ofPair(pair))));
@@ -240,6 +251,12 @@ const pointText = (x) => `(${x.map(digits).join(", ")})`;
 /** Of a 32767th. */
 const normalOf = ({ contacts }, i) => [0, 1, 2].map((k) => Number(contacts.normal[3 * i + k].toFixed(4)));
 
+/** Which way the normal points: "points from ball to cloth". */
+function wayText(step, i) {
+  const [a, b] = ["a", "b"].map((side) => sideOf(step, i, side).object);
+  return a === b ? "points from the second to the first" : `points from ${step.objects[b].name} to ${step.objects[a].name}`;
+}
+
 /** What is known of a record: [name, text]. */
 function recordFacts(step, i, meta) {
   const normal = normalOf(step, i);
@@ -251,11 +268,11 @@ function recordFacts(step, i, meta) {
       : [["kind", KINDS[step.contacts.kind[i]].name], ["first", featureText(step, i, "a")], ["second", featureText(step, i, "b")]]),
     ...(measure?.name === "time" ? [["time", `t = ${digits(measure.of(i))}`]] : []),
     ...(measure ? [["place", pointText(placeOf(step, i, meta, 4))]] : []),
-    ...(normal.some((x) => x !== 0) ? [["normal", `${pointText(normal)} to the first`]] : []),
+    ...(normal.some((x) => x !== 0) ? [["normal", `${pointText(normal)}, ${wayText(step, i)}`]] : []),
     ...(measure && (step.near || apart > 0) ? [[isOfBounds(step) ? "bound" : "distance", digits(step.near ? measure.of(i) : apart)]] : []),
     ...(flag ? [["begins", flag.title]] : []),
     ["number", `${nounOf(step)[0] === "contact" ? "contact" : "record"} ${i + 1} of ${meta.recording.steps === 1 ? "the file" : `this ${step.near ? "question" : "step"}, in file order`}`],
-    ...(measure?.name === "time" ? [["drawn by", renderText(step, i, meta)]] : []),
+    ...(measure?.name === "time" ? [["picture command", renderText(step, i, meta)]] : []),
   ];
 }
 
@@ -277,6 +294,20 @@ export function recordText(step, i, meta) {
     ...(normal.some((x) => x !== 0) ? { normal } : {}),
     ...(measure && (near || apart > 0) ? { [isOfBounds(step) ? "bound" : "distance"]: near ? measure.of(i) : apart } : {}),
   });
+}
+
+const inQuotes = (name) => (/[",\r\n]/.test(name) ? `"${name.replaceAll('"', '""')}"` : name);
+
+/** Contacts as CSV, by the names of check --contacts; the page does not have toi_hi. */
+export function contactsText(step, picked, meta) {
+  const { contacts, objects, number } = step;
+  const lines = picked.map((i) => {
+    const sides = ["a", "b"].map((side) => sideOf(step, i, side));
+    const vertices = sides.flatMap((side) => side.vertices);
+    return [number, KINDS[contacts.kind[i]].id, ...[0, 1, 2, 3].map((k) => vertices[k] ?? ""), contacts.toi[i], contacts.flags[i] & PROVED ? 1 : 0,
+      ...sides.map(({ object }) => inQuotes(objects[object].name)), ...placeOf(step, i, meta, 17)].join();
+  });
+  return ["step,kind,i0,i1,i2,i3,toi,proved,object_a,object_b,x,y,z", ...lines, ""].join("\n");
 }
 
 /** In which colour of style.css the view draws what a fact names; undefined: it does not. */
@@ -301,7 +332,8 @@ export function makeDetail(data, state, does) {
     if (isShown) {
       const [one] = nounOf(step);
       const noun = one === "contact" ? "contact" : "record";
-      const which = data.meta.steps.length === 1 ? "" : step.near ? " of this question" : " of this step";
+      const which = data.all.length === 1 ? "" : step.near ? " of this question"
+        : earliestOf(data, "")?.index === index ? ` of ${partText(data) || "all steps"}` : " of this step";
       byId("detail-head").textContent = chosen === firstOf(step) ? `First ${noun}${which}` : `${noun[0].toUpperCase()}${noun.slice(1)}`;
       byId("detail-facts").replaceChildren(...recordFacts(step, chosen, data.meta).flatMap(([name, text]) => {
         const dot = element("i", { className: "dot square", title: "its colour in the view" });
@@ -358,9 +390,11 @@ function sizeText({ mesh, radius }, unit) {
 /** The list of objects, and which are hidden. */
 export function makeObjectList(data, state) {
   const list = byId("objects");
+  const fold = byId("objects-fold");
+  fold.addEventListener("toggle", () => fold.open && fold.scrollIntoView({ block: "nearest" }));
   state.on(["index", "hidden"], ({ index, hidden }) => {
     const { objects } = data.step(index);
-    byId("object-count").textContent = count(objects.length);
+    byId("object-count").textContent = `${count(objects.length)}${hidden.size > 0 ? `, ${count(hidden.size)} hidden; contacts stay in the view and in the list` : ""}`;
     byId("objects-fold").hidden = objects.length < 2;
     list.replaceChildren(...objects.slice(0, 200).map((object, i) => {
       const box = element("input", { type: "checkbox", checked: !hidden.has(object.handle) });

@@ -3,7 +3,7 @@
 import { PHASES } from "./colours.js";
 import { byId, canvasText, colourOf, count, duration, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
 import { countsOf, namesOf, pairName } from "./pairs.js";
-import { shortName } from "./words.js";
+import { entryNoun, shortName } from "./words.js";
 
 const top = () => canvasText() + 5; // above the bars, for words
 const BAR_MAX = 128;
@@ -85,17 +85,17 @@ export function makeTimeline(data, state, show) {
       drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`${found}${pair === "" ? "" : ` of ${pairName(names, pair)}`} in each step, ${count(most)} at most`, width - 4, canvasText());
+    context.fillText(`${found}${pair === "" ? "" : ` of ${pairName(names, pair)}`} in each ${entryNoun(data)[0]}, ${count(most)} at most`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });
 
   canvas.addEventListener("pointermove", (event) => {
     hover = indexAt(event);
-    const { number, answer, index } = steps[hover];
+    const { near, number, answer, index } = steps[hover];
     const { pair } = state.values;
     const many = countsOf(data, pair).get(steps[hover]);
-    showTip(event, `step ${number}: ${many === undefined ? "not known how many" : count(many)} ${pair === "" ? "found" : `of ${pairName(names, pair)}`}${index === undefined ? ", not drawn" : ""}`, state.values.engine
+    showTip(event, `${near ? "question" : "step"} ${number}: ${many === undefined ? "not known how many" : count(many)} ${pair === "" ? "found" : `of ${pairName(names, pair)}`}${index === undefined ? ", not drawn" : ""}`, state.values.engine
       ? [`in ${duration(answer.times.step)}`, ...partsOf(answer).map(([name, ns]) => `${name}  ${duration(ns)}`)] : []);
     if (event.buttons & 1) {
       show(steps[hover]);

@@ -1,7 +1,7 @@
 // transport.js - play, the step and the time within it.
 
 import { byId, count } from "./dom.js";
-import { digits } from "./words.js";
+import { digits, entryNoun, partText } from "./words.js";
 
 const STEP_MS = 900; // one step, at speed 1
 const PAUSE = 0.12; // of it, at the end of each step
@@ -61,6 +61,9 @@ export function makeTransport(data, state, goTo) {
     byId(id).hidden = steps.length === 1;
   }
   const places = steps.map((_, index) => data.all.findIndex((one) => one.index === index));
+  const [noun] = entryNoun(data);
+  byId("step-word").textContent = `${noun[0].toUpperCase()}${noun.slice(1)}`;
+  byId("step-last").textContent = `${partText(data) ? `${count(data.all[0].number)}–` : ""}${count(data.all.at(-1).number)}`;
   step.max = String(data.all.length - 1);
   step.addEventListener("input", () => { // to the next one that is drawn, in the same direction
     const place = Number(step.value);
@@ -78,9 +81,7 @@ export function makeTransport(data, state, goTo) {
   state.on(["index"], ({ index }) => {
     step.value = String(places[index]);
     step.setAttribute("aria-valuetext", `step ${steps[index].number}`);
-    byId("step-word").textContent = steps[index].near ? "Question" : "Step";
     byId("step-number").textContent = count(steps[index].number);
-    byId("step-last").textContent = count(data.all.at(-1).number);
     byId("time-slide").hidden = Boolean(steps[index].near); // nothing moves
     byId("transport").hidden = Boolean(steps[index].near) && steps.length === 1;
     byId("previous").disabled = index === 0;

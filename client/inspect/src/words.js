@@ -7,6 +7,9 @@ import { count, plural } from "./dom.js";
 export const INCOMPLETE = ["", "", "the deadline passed", "it was cancelled", "there are more than the daemon keeps",
   "some pairs of what turns are not known"];
 
+/** Why there is no answer: "invalid argument (E_INVAL)". */
+export const refusalText = ({ status, refusal }) => `${refusal} (${status})`;
+
 /** A number, to four significant digits: 0.0283, 7.492e-6; below 1 to so many that it is not read as 1. */
 export function digits(value) {
   let known = 4;
@@ -147,20 +150,37 @@ export function absentTexts({ meta, all }, number) {
     + "This writes a page with it:", `pccdctl inspect ${fileText(meta)} --steps ${number} -o step-${number}.html`];
 }
 
+/** What the steps of a page are called, [one, many]: entries where some are questions. */
+export const entryNoun = ({ all }) => (all.every(({ near }) => near) ? ["question", "questions"]
+  : all.some(({ near }) => near) ? ["entry", "entries"] : ["step", "steps"]);
+
+/** "steps 150 to 190", where more were recorded than the page was asked for; "". */
+export const partText = ({ meta, all }) => (all[0].number === 1 && all.at(-1).number >= meta.recording.steps ? ""
+  : `${entryNoun({ all })[1]} ${all[0].number} to ${all.at(-1).number}`);
+
 /** What the records of a step are called: [one, many]. */
 export const nounOf = (step) => (step.near ? nearNoun(step)
   : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
     : ["contact", "contacts"]);
 
-/** The sentence that says what is looked at, in parts: [before, count, behind]; `last`: the number of the
- * last step; `scenes`: the handles of all; `isOfSome`: not all pairs were asked about; `isShort` as of whereText. */
-export function sentenceOf(step, { last, scenes, isOfSome }, isShort) {
-  const { answer, near, number } = step;
+/** "Step 3 of 5", "Step 160 (of steps 150 to 190; 290 are recorded)", "Entry 2 of 56, a question". */
+function numberText({ near, number }, data) {
+  const [noun] = entryNoun(data);
+  const of = partText(data) && data.all.length > 1 ? ` (of ${partText(data)}; ${count(data.meta.recording.steps)} are recorded)` : ` of ${count(data.meta.recording.steps)}`;
+  return `${noun[0].toUpperCase()}${noun.slice(1)} ${count(number)}${of}${noun === "entry" ? `, a ${near ? "question" : "step"}` : ""}`;
+}
+
+/** The sentence that says what is looked at, in parts: [before, count, behind]; `pair`: that is chosen,
+ * which it is not of; `isShort` as of whereText. */
+export function sentenceOf(step, data, pair, isShort) {
+  const { answer, near } = step;
+  const scenes = [...new Set(data.meta.steps.map((its) => its.scene))];
+  const isOfSome = data.meta.asked.length > 0;
   const scene = scenes.length > 1 ? `, scene ${count(scenes.indexOf(step.scene) + 1)} of ${count(scenes.length)}` : "";
-  const before = `${near ? `Question ${count(number)}` : `Step ${count(number)} of ${count(last)}`}${scene}: `;
+  const before = `${numberText(step, data)}${scene}${pair === "" ? "" : ", all pairs of objects"}: `;
   const cut = INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
   if (answer.status !== "OK") {
-    return [before, "", `it was not answered (${answer.status})`];
+    return [before, "", `it was not answered: ${refusalText(answer)}`];
   }
   if (!near && answer.mode === "any") {
     return [before, "", `it was asked whether anything meets: ${["nothing does", "something may", "something does", "that is not known"][answer.verdict]}${startText(step, answer.verdict === 0)}${cut}`];
