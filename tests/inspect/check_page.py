@@ -433,7 +433,7 @@ class Opened(InBrowser):
         self.browser.press("?")
         self.assertTrue(self.browser.run("return document.getElementById('help').open"))
         said = self.browser.run("return document.getElementById('help').innerText")
-        for what in ("fingers", "vertex-face", "step; home"):
+        for what in ("fingers", "vertex-face", "step; home", "Numbers count from 0"):
             self.assertIn(what, said)
         for what in ("hierarchy", "vertex-vertex", "thickness"):  # not on the screen
             self.assertNotIn(what, said)
@@ -550,14 +550,14 @@ class Opened(InBrowser):
         self.browser.frames(3)
         drawn = dict((tuple(colour), many) for colour, many in self.pixels("#view"))
         colours = []
-        for name in ("first", "second", "normal"):
+        for name, least in (("first", 5), ("second", 5), ("normal", 45)):  # with a head
             colour = self.browser.run("""
                 const at = [...document.querySelectorAll('#detail dt')]
                   .find((one) => one.textContent === arguments[0]).nextSibling;
                 return getComputedStyle(at.querySelector('.dot')).backgroundColor;
                 """, name)
             colour = tuple(int(part) for part in colour[4:-1].split(","))
-            self.assertGreater(drawn.get(colour, 0), 5, name)
+            self.assertGreater(drawn.get(colour, 0), least, name)
             colours.append(colour)
         self.assertApart(colours)
         # A kind with how it begins is not cut.
@@ -1007,8 +1007,9 @@ class Objects(InBrowser):
                         [f"step {i + 1}: {many} {name}{absent[i]}", many > 0]
                         for i, many in enumerate(counts)])
             # Each pair is offered, and what is told of all pairs says so.
+            self.browser.run("pccd.data.meta.recording.steps = 9")
             self.set("pair", "1,2")
-            self.assertIn("peg and post: never", self.text("pair"))
+            self.assertIn("peg and post: never in steps 1 to 5", self.text("pair"))
             self.assertIn(", all pairs of objects: ", self.text("sentence"))
             self.assertIn("safe step of all pairs", self.facts("facts"))
             self.set("step", 0)
@@ -1128,7 +1129,7 @@ class Objects(InBrowser):
             with open(os.path.join(All.folder, f"tangled{frame}.obj"), "w") as to:
                 to.write(f"v 0 0 0\nv 1 0 0\nv 0 {1 + frame} 0\nf 1 2 3\n"
                          "v .25 .25 -1\nv .25 .25 3\nv .375 .5 3\nf 4 5 6\n")
-        frames = ["tangled0.obj", "tangled1.obj"]
+        frames = ["tangled0.obj", "tangled1.obj", "tangled0.obj"]
         record_frames("tangled.rec", frames, All.folder)
         pccdctl("record", "-o", "first.rec", "--", os.environ["PCCDCTL"], "check",
                 "--mode", "first", "--repeat", "0", self.objects.files, folder=All.folder)
@@ -1144,8 +1145,9 @@ class Objects(InBrowser):
                 self.assertIn(words, self.text("sentence"))
                 self.assertNotIn("meets", self.text("sentence"))
                 if safe:
-                    self.assertEqual("begins with 2 pairs that intersect"
-                                     in self.text("chips"), files == frames)
+                    self.assertEqual("2 steps begin with intersections; step 1 begins "
+                                     "with 2 pairs that intersect" in self.text("chips"),
+                                     files == frames)
                     self.assertEqual(self.facts("facts")["safe step"], safe)
 
 

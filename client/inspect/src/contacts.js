@@ -273,8 +273,8 @@ function makeFilters(data, state) {
     const left = here.size + away.length + neverCount - offered.length;
     const noun = step.near ? "question" : "step";
     const options = [...offered, ...(pair === "" || offered.includes(pair) ? [] : [pair])].map((its) =>
-      [its, here.has(its) ? `${count(here.get(its))} in this ${noun}` : others.has(its) ? `none in this ${noun}, some in ${count(others.get(its))} of all`
-        : isCounted ? "never" : `none in this ${noun}; of others that is not known`]);
+      [its, here.has(its) ? `${count(here.get(its))} in this ${noun}` : others.has(its) ? `none in this ${noun}, some in ${plural(others.get(its), "other", "others")}`
+        : isCounted ? `never${partText(data) && ` in ${partText(data)}`}` : `none in this ${noun}; of others that is not known`]);
     select.replaceChildren(element("option", { value: "" }, isOfBounds(step) ? "all objects" : "all pairs of objects"),
       ...options.map(([value, text]) => element("option", { value }, `${pairName(names, value, step)}: ${text}`)),
       ...(left > 0 ? [element("option", { disabled: true }, `${count(left)} more pairs: find one by its two names`)] : []));

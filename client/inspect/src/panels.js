@@ -58,7 +58,7 @@ export function makeHead(data, show) {
   const absent = [...gapBetween(0, all[0].number), ...gapBetween(all.at(-1).number, recording.steps + 1)];
   const crossed = all.filter(({ near, answer }) => !near && answer.crossings > 0);
   const intersecting = element("button", { className: "chip warn", title: `Go to step ${crossed[0]?.number}` },
-    `${all.length === 1 ? "begins" : `${plural(crossed.length, "step begins", "steps begin")}, first step ${crossed[0]?.number}`} with ${plural(crossed[0]?.answer.crossings, "pair that intersects", "pairs that intersect")}`);
+    `${all.length === 1 ? "" : crossed.length < 2 ? `step ${crossed[0]?.number} ` : `${count(crossed.length)} steps begin with intersections; step ${crossed[0].number} `}begins with ${plural(crossed[0]?.answer.crossings, "pair that intersects", "pairs that intersect")}`);
   intersecting.addEventListener("click", () => show(crossed[0]));
   const when = new Date(recording.unix_ms);
   const name = meta.is_of_files ? recording.name.replace(/%\d*[du]/g, "…") : recording.name; // of a pattern
