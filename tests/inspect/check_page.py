@@ -433,7 +433,7 @@ class Opened(InBrowser):
         self.browser.press("?")
         self.assertTrue(self.browser.run("return document.getElementById('help').open"))
         said = self.browser.run("return document.getElementById('help').innerText")
-        for what in ("fingers", "vertex-face", "step; home", "Numbers count from 0"):
+        for what in ("fingers", "vertex-face", "step; home", "faces count from 0"):
             self.assertIn(what, said)
         for what in ("hierarchy", "vertex-vertex", "thickness"):  # not on the screen
             self.assertNotIn(what, said)
@@ -1010,7 +1010,7 @@ class Objects(InBrowser):
             self.browser.run("pccd.data.meta.recording.steps = 9")
             self.set("pair", "1,2")
             self.assertIn("peg and post: never in steps 1 to 5", self.text("pair"))
-            self.assertIn(", all pairs of objects: ", self.text("sentence"))
+            self.assertIn(", all pairs: ", self.text("sentence"))
             self.assertIn("safe step of all pairs", self.facts("facts"))
             self.set("step", 0)
             self.browser.run("""
@@ -1251,7 +1251,7 @@ class LeftOut(InBrowser):
         # A part does not claim to be all.
         self.show("--steps", "3..4")
         self.assertTrue(self.text("sentence").startswith(
-            "Step 4 (of steps 3 to 4; 4 are recorded): "), self.text("sentence"))
+            "Step 4 (of 3 to 4; 4 recorded): "), self.text("sentence"))
         self.assertIn("(steps 3 to 4) something meets, 3 to 4; of these first in step 3",
                       self.text("whole"))
         self.assertEqual(self.text("step-last"), "3\N{EN DASH}4")

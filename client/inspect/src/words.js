@@ -163,10 +163,10 @@ export const nounOf = (step) => (step.near ? nearNoun(step)
   : step.answer.mode === "pairs" ? ["pair of features that may meet", "pairs of features that may meet"]
     : ["contact", "contacts"]);
 
-/** "Step 3 of 5", "Step 160 (of steps 150 to 190; 290 are recorded)", "Entry 2 of 56, a question". */
+/** "Step 3 of 5", "Step 160 (of 150 to 190; 290 recorded)", "Entry 2 of 56, a question". */
 function numberText({ near, number }, data) {
   const [noun] = entryNoun(data);
-  const of = partText(data) && data.all.length > 1 ? ` (of ${partText(data)}; ${count(data.meta.recording.steps)} are recorded)` : ` of ${count(data.meta.recording.steps)}`;
+  const of = partText(data) && data.all.length > 1 ? ` (of ${count(data.all[0].number)} to ${count(data.all.at(-1).number)}; ${count(data.meta.recording.steps)} recorded)` : ` of ${count(data.meta.recording.steps)}`;
   return `${noun[0].toUpperCase()}${noun.slice(1)} ${count(number)}${of}${noun === "entry" ? `, a ${near ? "question" : "step"}` : ""}`;
 }
 
@@ -177,7 +177,7 @@ export function sentenceOf(step, data, pair, isShort) {
   const scenes = [...new Set(data.meta.steps.map((its) => its.scene))];
   const isOfSome = data.meta.asked.length > 0;
   const scene = scenes.length > 1 ? `, scene ${count(scenes.indexOf(step.scene) + 1)} of ${count(scenes.length)}` : "";
-  const before = `${numberText(step, data)}${scene}${pair === "" ? "" : ", all pairs of objects"}: `;
+  const before = `${numberText(step, data)}${scene}${pair === "" ? "" : ", all pairs"}: `;
   const cut = INCOMPLETE[answer.incomplete] ? `; ${INCOMPLETE[answer.incomplete]}` : "";
   if (answer.status !== "OK") {
     return [before, "", `it was not answered: ${refusalText(answer)}`];
