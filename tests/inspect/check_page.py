@@ -319,6 +319,17 @@ class Opened(InBrowser):
                          sum(0.25 <= time <= 0.5 for time in times))
         self.browser.click("#range-clear")
         self.assertEqual(len(self.value("picked")), said["contacts"])
+        # What is dragged over is whole bars: that at t = 0 has what is at t = 0.
+        self.browser.run("""
+            const canvas = document.getElementById('histogram');
+            const {left, top, width} = canvas.getBoundingClientRect();
+            canvas.setPointerCapture = () => {};
+            const to = 0.301 * width;
+            [['down', 1], ['move', to], ['up', to]].forEach(([of, x]) =>
+              canvas.dispatchEvent(new PointerEvent(`pointer${of}`,
+                {clientX: left + x, clientY: top + 5})));""")
+        self.assertEqual(self.value("range"), [0, 19 / 60])
+        self.browser.click("#range-clear")
 
     # If it failed, a contact of the list could not be found in the view.
     def test_contact__is_flown_to_when_it_is_chosen(self):
@@ -1149,6 +1160,10 @@ class Objects(InBrowser):
                                      "with 2 pairs that intersect" in self.text("chips"),
                                      files == frames)
                     self.assertEqual(self.facts("facts")["safe step"], safe)
+                    self.browser.resize(320, 568)
+                    self.assertEqual(self.browser.run(
+                        "return document.documentElement.scrollWidth"), 320)
+                    self.browser.resize_back()
 
 
 # Plates of the view that lie over each other.

@@ -63,8 +63,8 @@ function makeHistogram(data, state) {
     const bin = histogramOf(step.contacts, state.values)[Math.min(BINS - 1, Math.floor(at * BINS))];
     showTip(event, step.near ? `distance ${digits(at * step.contacts.greatest)}` : `t = ${digits(at)}`, KINDS.flatMap(({ name }, kind) =>
       (bin[kind] > 0 ? [`${count(bin[kind])} ${name}`] : [])));
-    if (from !== null && Math.abs(at - from) > 0.01) {
-      state.set({ range: [Math.min(from, at), Math.max(from, at)] });
+    if (from !== null && Math.abs(at - from) > 0.01) { // whole bars: what is at 0 is in the first
+      state.set({ range: [Math.floor(Math.min(from, at) * BINS) / BINS, Math.ceil(Math.max(from, at) * BINS) / BINS] });
     }
   });
   canvas.addEventListener("pointerup", (event) => {

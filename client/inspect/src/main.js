@@ -144,7 +144,7 @@ function makeCaption(data, state) {
     const step = data.step(index);
     const measure = measureOf(step);
     const greatest = step.near ? step.contacts.greatest : 1;
-    const isBusiest = data.all.length > 1 && index === busiestOf(data) && step.answer.total > 0
+    const isBusiest = pair === "" && data.all.length > 1 && index === busiestOf(data) && step.answer.total > 0
       && data.all.every(({ number, answer }) => number === step.number || answer.total < step.answer.total);
     const which = `${step.near ? "question" : "step"} ${step.number}${isBusiest ? `, with the most ${nounOf(step)[1]}` : ""}`;
     byId("caption").textContent = step.near ? which : `${which}; t = ${digits(t)}${momentText(step, t, pair)}`;

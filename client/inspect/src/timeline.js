@@ -85,7 +85,8 @@ export function makeTimeline(data, state, show) {
       drawScale(context, width, height, below);
     }
     context.fillStyle = colourOf("faint");
-    context.fillText(`${found}${pair === "" ? "" : ` of ${pairName(names, pair)}`} in each ${entryNoun(data)[0]}, ${count(most)} at most`, width - 4, canvasText());
+    const isNone = [...counts.values()].every((many) => many === 0);
+    context.fillText(`${isNone ? "no " : ""}${found}${pair === "" ? "" : ` of ${pairName(names, pair)}`} in ${isNone ? "any" : "each"} ${entryNoun(data)[0]}${isNone ? "" : `, ${count(most)} at most`}`, width - 4, canvasText());
     context.fillStyle = colourOf("accent");
     context.fillRect(steps.findIndex(({ index }) => index === state.values.index) * bar, 0, Math.max(bar, 2), 2);
   });
