@@ -248,11 +248,11 @@ class Confined(Case):
         (self.path / "link.obj").symlink_to("../secret0.obj")
         (self.path / "up").symlink_to("..")
         (self.path / "here.obj").symlink_to("box0.obj")
-        write_scene(self.path / "out.json", [{"name": "a", "files": "../secret%d.obj"}])
-        write_scene(self.path / "abs.json",
-                    [{"name": "a", "files": str(self.outside / "secret0.obj")}])
-        write_scene(self.path / "by.json", [{"name": "a", "files": ["link.obj",
-                                                                    "box1.obj"]}])
+        for name, files in (("out.json", "../secret%d.obj"),
+                            ("abs.json", str(self.outside / "secret0.obj")),
+                            ("by.json", ["link.obj", "box1.obj"])):
+            write_scene(self.path / name, [{"name": "a", "files": files},
+                                           {"name": "b", "files": "box0.obj"}])
         (self.path / "out.gltf").write_text(json.dumps(
             {"asset": {"version": "2.0"}, "buffers": [{"uri": "link.obj",
                                                        "byteLength": 96}],
@@ -271,7 +271,7 @@ class Confined(Case):
             self.refused(client, "check", outside, name, files=[name, "box1.obj"])
             self.refused(client, "check", outside, name, files=["box%d.obj"],
                          **{"with": [name]})
-            self.refused(client, "near", outside, name, files=[name])
+            self.refused(client, "near", outside, name, files=[name, "box1.obj"])
             self.refused(client, "crossings", outside, name, files=[name])
             self.refused(client, "verify", outside, name, recording=name)
             self.refused(client, "sweep", outside, name, file=name)
@@ -320,7 +320,8 @@ class Confined(Case):
         listener = socket.socket(socket.AF_UNIX)
         self.addCleanup(listener.close)
         listener.bind(str(self.path / "heard.obj"))
-        write_scene(self.path / "of.json", [{"name": "a", "files": "never.obj"}])
+        write_scene(self.path / "of.json", [{"name": "a", "files": "never.obj"},
+                                            {"name": "b", "files": "box0.obj"}])
         client = self.client("--seconds", "9", "--write")
         for name, member in (("never.obj", "never.obj"), ("to.obj", "to.obj"),
                              ("never.json", "never.json"), ("heard.obj", "heard.obj"),

@@ -233,9 +233,12 @@ CASE(build__validator_sees_each_kind_of_damage)
 {
     struct prng random = {24};
     struct eng_scene *scene = new_scene();
+    struct eng_question question = ENG_QUESTION_DEFAULT;
+    question.method = PCCD_METHOD_PAPER;
     add(scene, kit_soup(&random, 9), 1);
     add(scene, kit_soup(&random, 7), 2);
-    settle(scene);
+    kit_step(scene, &question); /* boxes are looked at where they are of the last step */
+    assert_true(eng_tree_has_boxes(scene) && eng_tree_validate(scene));
     uint32_t end = eng_trees_of(scene)->node_ranges.end;
     for (uint32_t i = 0; i < end; i++) {
         struct eng_node *node = &eng_trees_of(scene)->nodes[i];
