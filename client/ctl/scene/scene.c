@@ -187,43 +187,45 @@ static bool are_between(const uint32_t (*pairs)[2], size_t count, uint32_t a, ui
     return false;
 }
 
-static uint64_t group_of(const struct pccd_object_settings *settings)
+bool scene_is_met(const struct pccd_object_settings *of,
+                  const struct pccd_object_settings *by)
 {
-    return (settings->what & PCCD_OBJECT_GROUP) != 0 ? settings->group : 1;
-}
-static uint64_t mask_of(const struct pccd_object_settings *settings)
-{
-    return (settings->what & PCCD_OBJECT_MASK) != 0 ? settings->mask : UINT64_MAX;
+    uint64_t group = (of->what & PCCD_OBJECT_GROUP) != 0 ? of->group : 1;
+    return (by->what & PCCD_OBJECT_MASK) == 0 || (group & by->mask) != 0;
 }
 
-static bool may_meet(const struct scene *scene, uint32_t a, uint32_t b)
+/* Return whether an object may meet one that comes after it; `passed` has room to mark
+ * those that the two let pass. */
+static bool may_meet_any(const struct scene *scene, uint32_t a, bool *passed)
 {
-    const struct pccd_object_settings *x = &scene->objects[a].settings;
-    const struct pccd_object_settings *y = &scene->objects[b].settings;
-    bool may = (group_of(x) & mask_of(y)) != 0 &&
-               (group_of(y) & mask_of(x)) != 0;
-    for (size_t i = 0; may && i < scene->pair_count; i++) {
+    const struct pccd_object_settings *its = &scene->objects[a].settings;
+    bool may = false;
+    memset(passed, 0, scene->object_count * sizeof *passed);
+    for (size_t i = 0; i < scene->pair_count; i++) {
         const uint32_t *of = scene->pairs[i].objects;
-        bool is_it = (of[0] == a && of[1] == b) || (of[0] == b && of[1] == a);
-        may = !(is_it && scene->pairs[i].is_ignored);
+        if (scene->pairs[i].is_ignored && (of[0] == a || of[1] == a)) {
+            passed[of[0] == a ? of[1] : of[0]] = true;
+        }
+    }
+    for (uint32_t b = a + 1; b < scene->object_count && !may; b++) {
+        const struct pccd_object_settings *other = &scene->objects[b].settings;
+        may = !passed[b] && scene_is_met(its, other) && scene_is_met(other, its);
     }
     return may;
 }
 
 const char *scene_idle(const struct scene *scene, bool with_self)
 {
-    for (uint32_t a = 0; a < scene->object_count; a++) {
-        const struct pccd_object_settings *x = &scene->objects[a].settings;
-        if (with_self && ((x->what & PCCD_OBJECT_SELF) == 0 || x->self_collision)) {
-            return NULL;
-        }
-        for (uint32_t b = a + 1; b < scene->object_count; b++) {
-            if (may_meet(scene, a, b)) {
-                return NULL;
-            }
-        }
+    bool *passed = calloc(scene->object_count + 1, sizeof *passed);
+    bool may = passed == NULL; /* what comes next ends for want of memory, too */
+    for (uint32_t a = 0; a < scene->object_count && !may; a++) {
+        const struct pccd_object_settings *its = &scene->objects[a].settings;
+        bool meets_itself =
+            (its->what & PCCD_OBJECT_SELF) == 0 || its->self_collision;
+        may = (with_self && meets_itself) || may_meet_any(scene, a, passed);
     }
-    return "no two objects may meet, nor one itself: nothing is compared";
+    free(passed);
+    return may ? NULL : "no two objects may meet, nor one itself: nothing is compared";
 }
 
 /* Let all pairs ignore each other, and themselves, that are not given. What is in none

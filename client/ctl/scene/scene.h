@@ -139,6 +139,9 @@ int scene_keep_clearance(struct scene *scene, uint32_t a, uint32_t b, double cle
 /* Return the place of the object of that name; object_count: there is none. */
 uint32_t scene_find(const struct scene *scene, const char *name);
 
+/* Return whether an object is in a group that another one may meet. */
+bool scene_is_met(const struct pccd_object_settings *of,
+                  const struct pccd_object_settings *by);
 /* Return a sentence where nothing may meet: no two objects, nor, `with_self`, one itself.
  * NULL: something may. */
 const char *scene_idle(const struct scene *scene, bool with_self);

@@ -61,14 +61,6 @@ static double clearance_of(const struct sweep *sweep, const struct robot_shape *
     return radii > 0 ? distance * (1 + 4 * DBL_EPSILON) : distance;
 }
 
-/* Return whether an object is in a group that another one may meet. */
-static bool is_met(const struct pccd_object_settings *of,
-                   const struct pccd_object_settings *by)
-{
-    uint64_t group = (of->what & PCCD_OBJECT_GROUP) != 0 ? of->group : 1;
-    return (by->what & PCCD_OBJECT_MASK) == 0 || (group & by->mask) != 0;
-}
-
 /* Say how near two shapes may come. If any two have a clearance of their own, each pair
  * has, and the separation is only what is searched with. */
 static int set_pair(struct sweep *sweep, const struct robot_shape *a,
@@ -77,7 +69,8 @@ static int set_pair(struct sweep *sweep, const struct robot_shape *a,
     if (robot_never_asks(sweep->robot, a->part, b->part)) {
         return pccd_pair_ignore(sweep->client, sweep->scene, a->handle, b->handle, true);
     }
-    if (!is_met(&a->settings, &b->settings) || !is_met(&b->settings, &a->settings)) {
+    if (!scene_is_met(&a->settings, &b->settings) ||
+        !scene_is_met(&b->settings, &a->settings)) {
         return PCCD_OK;
     }
     sweep->pair_count++;
