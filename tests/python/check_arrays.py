@@ -111,7 +111,7 @@ class Several(Case):
         moves, tent, m = pccd.Motions(), 7, np.eye(4)[:3].copy()
         invalid = pccd.Status.E_INVAL
         for x in (TENT.tolist(), TENT[::2], TENT[:, :2], TENT.astype(int), TENT[:0],
-                  TENT.reshape(-1), np.asfortranarray(TENT)):
+                  TENT.reshape(-1), np.asfortranarray(TENT), np.ma.array(TENT, mask=1)):
             self.fails(invalid, moves.x1, tent, x)
         self.fails(invalid, moves.x0x1, tent, TENT, TENT[1:])
         self.fails(invalid, moves.x0x1, tent, TENT, TENT.astype(float))

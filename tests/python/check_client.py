@@ -141,6 +141,20 @@ class Answers(Case):
             frame.rigid(tent, 3, still, moved, first=3)
             self.assertEqual(want, self.client.wait(frame.commit()).hash)
 
+    # If this failed, what is written to an array would be rounded to floats, though the
+    # mesh has doubles.
+    def test_arrays__have_the_type_of_the_mesh(self):
+        for dtype in (np.float32, np.float64):
+            scene = self.client.scene_create()
+            mesh = self.client.mesh_create(TENT.astype(dtype), TENT_TRIANGLES)
+            body = self.client.scene_add(scene, mesh)
+            with self.client.frame(scene, 3 * 6 * 24, segment_max=2) as frame:
+                self.assertEqual(frame.x1(body, 6).dtype, dtype)
+                self.assertEqual(frame.x0x1(body, 6)[0].dtype, dtype)
+            batch = self.client.batch([pccd.Part(scene, body, 6)])
+            self.assertEqual(batch.begin().dtype, dtype)
+            batch.abort()
+
     # If this failed, a mode would be answered by another's rules.
     def test_modes__answer_what_they_promise(self):
         scene, _, tent = self.tent()
@@ -443,6 +457,7 @@ class Meshes(Case):
                 (status.E_INVAL, TENT.astype(str), TENT_TRIANGLES),
                 (status.E_INVAL, np.ma.masked_array(TENT, TENT > 0), TENT_TRIANGLES),
                 (status.E_INVAL, TENT, TENT_TRIANGLES[:0]),
+                (status.E_INVAL, TENT, np.ma.masked_array(TENT_TRIANGLES, 1)),
                 (status.E_INVAL, TENT, TENT_TRIANGLES.astype(float)),
                 (status.E_INVAL, TENT, TENT_TRIANGLES.reshape(-1))):
             self.fails(want, self.client.mesh_create, x, triangles)

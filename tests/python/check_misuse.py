@@ -424,11 +424,15 @@ class Arguments(Case):
             self.fails(invalid, pccd.StepSettings, **options)
         self.assertEqual(pccd.StepSettings(deadline_ns=1e9).deadline_ns, 1e9)
         for options in ({"distance": "far"}, {"gap": None}, {"object_b": -1},
-                        {"object_a": 1 << 32}, {"distance": float("nan")}):
+                        {"object_a": 1 << 32}, {"distance": float("nan")},
+                        {"object_a": np.array([1])}, {"at_begin": "no"}):
             self.fails(invalid, self.client.near, scene, **options)
         for attributes in ({"radius": "thick"}, {"group": -1}, {"mask": 1 << 64},
-                           {"rest_rings": 1.5}, {"radius": float("nan")}):
+                           {"rest_rings": 1.5}, {"radius": float("nan")},
+                           {"self_collision": "off"}):
             self.fails(invalid, self.client.object_set, scene, tent, **attributes)
+        for objects in ([-1], [tent + 0.5], [1 << 32]):
+            self.fails(invalid, self.client.user_data, scene, objects)
         self.fails(invalid, self.client.record_start, "never", max_bytes=-1)
         self.fails(pccd.Status.E_HANDLE, self.client.mesh_replace, 99, TENT,
                    TENT_TRIANGLES)

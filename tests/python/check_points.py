@@ -5,6 +5,7 @@ Does:     compare with what numpy makes of the same records.
 """
 
 import unittest
+from fractions import Fraction
 
 import numpy as np
 
@@ -173,7 +174,8 @@ class Casts(Supervised):
             self.fails(pccd.Status.E_INVAL, pccd.Rays, self.client, self.scene, 300,
                        radii=radii)
         odd = np.array([[2 ** 53 + 1, 0, 0]] * 3)
-        for x in (odd, odd.tolist(), odd.astype(object)):  # no double is the first
+        for x in (odd, odd.tolist(), odd.astype(object), odd.astype(np.longdouble),
+                  odd.astype(object) * Fraction(1, 5)):  # no double is the first
             self.fails(pccd.Status.E_INVAL, self.client.mesh_create, x, [[0, 1, 2]])
         self.client.mesh_create(odd - 1, [[0, 1, 2]])
         far = np.array([[1e18, 0, 0], [np.nextafter(1e18, 2e18), 0, 0], [0, 1, 0]])

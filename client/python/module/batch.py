@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import sys
 from ctypes import byref
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -33,13 +33,14 @@ _scenes: Any = abi.pccd_batch_answer.scenes
 @dataclass(frozen=True)
 class Part:
     """What moves in a scene: `count` vertices of an object, from `first` on, to positions
-    of a dtype, float32 or float64. object = 0: nothing moves in the scene."""
+    of a dtype, float32 or float64; None: that of the vertices of its mesh, as they were
+    given. object = 0: nothing moves in the scene."""
 
     scene: int
     object: int = 0
     count: int = 0
     first: int = 0
-    dtype: DTypeLike = np.float32
+    dtype: Optional[DTypeLike] = None
     way: Union[int, str] = BatchWay.X1
 
     def __post_init__(self) -> None:
@@ -149,7 +150,9 @@ class Batch:
                  joint_counts: Sequence[int] = ()) -> None:
         self._client = client
         self._turn = client._turn
-        self._parts = [part if isinstance(part, Part) else Part(*part) for part in parts]
+        given = (part if isinstance(part, Part) else Part(*part) for part in parts)
+        self._parts = [part if part.dtype is not None else replace(
+            part, dtype=client._dtype_of(part.scene, part.object)) for part in given]
         self._handle = ctypes.c_void_p()
         structs = (abi.pccd_batch_part * max(1, len(self._parts)))()
         for struct, part in zip(structs, self._parts):

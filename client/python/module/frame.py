@@ -41,9 +41,11 @@ class Frame:
         self._views.append(view)
         return view
 
-    def _place(self, call: Any, object: int, count: int, first: int, dtype: DTypeLike,
-               places: int) -> List[NDArray[Any]]:
+    def _place(self, call: Any, object: int, count: int, first: int,
+               dtype: Optional[DTypeLike], places: int) -> List[NDArray[Any]]:
         self._client._check_open()
+        if dtype is None:
+            dtype = self._client._dtype_of(self._struct.scene, object)
         count = u32("count", count)
         if count < 1:
             raise refusal(Status.E_INVAL, f"a segment of {count} vertices")
@@ -55,13 +57,15 @@ class Frame:
         return [self._array(address, count, dtype) for address in addresses]
 
     def x1(self, object: int, count: int, first: int = 0,
-           dtype: DTypeLike = np.float32) -> NDArray[Any]:
+           dtype: Optional[DTypeLike] = None) -> NDArray[Any]:
         """An array (count, 3) to write end positions to, before commit(). The start is
-        the last step's end. Never read it. E_LIMIT: more than was announced."""
+        the last step's end. dtype: float32 or float64; None: as the vertices of its mesh
+        were given, so that numpy rounds nothing that they have. Never read it. E_LIMIT:
+        more than was announced."""
         return self._place(quick.pccd_frame_x1, object, count, first, dtype, 1)[0]
 
     def x0x1(self, object: int, count: int, first: int = 0,
-             dtype: DTypeLike = np.float32) -> Tuple[NDArray[Any], NDArray[Any]]:
+             dtype: Optional[DTypeLike] = None) -> Tuple[NDArray[Any], NDArray[Any]]:
         """The same for start and end positions: two arrays."""
         x0, x1 = self._place(quick.pccd_frame_x0x1, object, count, first, dtype, 2)
         return x0, x1
@@ -178,10 +182,12 @@ class Motions:
     @staticmethod
     def _check(name: str, x: Any, shape: Tuple[int, ...]) -> NDArray[Any]:
         if not isinstance(x, np.ndarray) or not x.flags.c_contiguous or \
+                isinstance(x, np.ma.MaskedArray) or \
                 x.shape[1:] != shape[1:] or x.size == 0 or \
                 len(shape) == 2 and x.ndim != 2 or shape[0] not in (-1, len(x)):
             raise refusal(Status.E_INVAL, f"{name}: each step reads the array itself, so "
-                          f"it must be C-contiguous and of the shape {shape}")
+                          f"it must be C-contiguous, of the shape {shape}, and without "
+                          "a mask")
         return x
 
     def x1(self, object: int, x1: NDArray[Any], first: int = 0) -> None:

@@ -35,8 +35,9 @@ class Scenes:
         self._handle = ctypes.c_void_p()
         self._turn = new_turn()
         self._timeout = timeout
-        # Of every mesh its last MeshInfo, its handle, its triangles and, once somebody
-        # has asked, its edges; of every scene that of each object's mesh.
+        # Of every mesh its last MeshInfo, its handle, its triangles, once somebody has
+        # asked its edges, and the dtype of its vertices; of every scene that of each
+        # object's mesh.
         self._infos: Dict[int, List[Any]] = {}
         self._objects: Dict[int, Dict[int, List[Any]]] = {}
         self._keeps = True  # the triangles
@@ -93,7 +94,7 @@ class Scenes:
             faces = kept[-1].copy() if self._keeps else None
         self._check(lib.pccd_mesh_put(self._handle, byref(data), byref(made),
                                       byref(info)))
-        now: List[Any] = [MeshInfo.of(info), made.value, faces, None]
+        now: List[Any] = [MeshInfo.of(info), made.value, faces, None, vertices.dtype]
         if mesh:
             self._infos[mesh][:] = now  # of its objects, too
         else:
@@ -214,6 +215,11 @@ class Scenes:
             raise refusal(Status.E_SEGMENT, f"{count} vertices for object 0x{object:x}, "
                           f"which has {info[0].vertex_count}: Motions move a part")
 
+    def _dtype_of(self, scene: int, object: int) -> Any:
+        """That in which the vertices of an object's mesh were given."""
+        info = self._objects.get(scene, {}).get(object)
+        return np.dtype(np.float32) if info is None else info[4]
+
     def scene_boxes(self, scene: int, tree: Union[int, str],
                     level: int) -> NDArray[Any]:
         """The boxes (BOX) of a level of a scene's hierarchies, the root being level 0,
@@ -259,7 +265,10 @@ class Scenes:
         """Of each object, in an array of any shape, its user_data as this client has last
         set or got it, else 0: user_data(scene, answer.contacts["object_a"]). The daemon
         is not asked."""
-        handles = np.asarray(objects, np.uint32, order="C")
+        handles = np.asarray(objects, order="C")
+        if handles.dtype != np.uint32:
+            handles = np.reshape([u32("an object", one) for one in handles.flat],
+                                 handles.shape).astype(np.uint32)
         numbers = np.empty(handles.shape, np.uint64)
         self._check(lib.pccd_user_data(self._handle, u32("scene", scene),
                                        handles.ctypes.data, handles.size,

@@ -203,8 +203,8 @@ def put(struct: Any, name: str, value: Any) -> None:
     try:
         if now is None or isinstance(now, (bytes, str)):
             made: Any = value.encode()
-        elif isinstance(now, bool):
-            made = bool(value)
+        elif isinstance(now, bool):  # "off" would be true
+            made = value if value in (False, True) else None
         elif isinstance(now, int):
             made = int(value) if value == int(value) else value
         else:
@@ -232,7 +232,7 @@ def u32(name: str, value: Any) -> int:
     """A handle or a count, of numpy's too."""
     try:
         number = value.__index__()
-    except AttributeError:
+    except (AttributeError, TypeError):
         raise refusal(Status.E_INVAL, f"{name} is {value!r}, not an integer") from None
     if not 0 <= number < 1 << 32:
         raise refusal(Status.E_INVAL, f"{name} is {number}, not of 32 bits")
@@ -247,23 +247,35 @@ def milliseconds(name: str, seconds: float) -> int:
 
 
 def real_numbers(name: str, given: ArrayLike) -> NDArray[Any]:
-    """An array of real numbers, of whatever type: numpy would make some of texts, dates
-    and complex numbers, too, and of what is masked; and round integers beyond 2^53."""
+    """An array of real numbers that are doubles, of whatever type: numpy would make some
+    of texts, dates and complex numbers, too, and of what is masked; and round the others,
+    as integers beyond 2^53, long doubles and fractions may be."""
     try:
         made = np.asarray(given)
-        whole = made.astype(np.float64) if made.dtype.kind in "iuO" else made
+        is_wide = made.dtype.kind in "iuO" or \
+            made.dtype.kind == "f" and made.dtype.itemsize > 8
+        with np.errstate(over="ignore"):
+            doubles = made.astype(np.float64) if is_wide else made
     except (ValueError, TypeError, OverflowError) as why:
         raise refusal(Status.E_INVAL, f"{name}: {why}") from None
-    masked = isinstance(given, np.ma.MaskedArray) and \
-        bool(np.any(getattr(given, "mask")))
-    if masked or made.dtype.kind not in "fiuO":
-        raise refusal(Status.E_INVAL, f"{name} has values that are masked" if masked else
-                      f"{name} are {made.dtype}, not real numbers")
-    large = made[np.abs(whole) >= 2.0 ** 53].tolist() if made.dtype.kind != "f" else []
-    for value in large:
-        if isinstance(value, int) and float(value) != value:
-            raise refusal(Status.E_INVAL, f"{name} have {value}, which is no double")
+    refuse_masked(name, given)
+    if made.dtype.kind not in "fiuO":
+        raise refusal(Status.E_INVAL, f"{name} are {made.dtype}, not real numbers")
+    rest: Any = ()  # those that may be no doubles; numpy compares integers as doubles
+    if is_wide:
+        rest = made[np.abs(doubles) >= 2.0 ** 53].tolist() if made.dtype.kind in "iu" \
+            else made[made != doubles]
+    for value in rest:
+        if value == value and value != float(value):
+            raise refusal(Status.E_INVAL, f"{name}, {made.dtype}, have {value}, which is "
+                          "no double: round it yourself")
     return made
+
+
+def refuse_masked(name: str, given: Any) -> None:
+    """What is masked has numbers behind the mask, which nobody means."""
+    if isinstance(given, np.ma.MaskedArray) and bool(np.any(getattr(given, "mask"))):
+        raise refusal(Status.E_INVAL, f"{name} has values that are masked")
 
 
 def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
@@ -278,6 +290,7 @@ def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
 
 def pack_indices(name: str, indices: ArrayLike, points: int) -> NDArray[np.uint32]:
     """Triangles (points 3), edges (2) or points (1) as the library takes them."""
+    refuse_masked(name, indices)
     made = np.asarray(indices)
     shape = made.shape[1:] if points > 1 else (1,) * made.ndim
     if shape != (points,) or len(made) == 0 or made.dtype.kind not in "iu":
