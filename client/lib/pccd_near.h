@@ -62,7 +62,8 @@ struct pccd_near_settings {
                         not always known, see pccd_submit_near). Before the first step
                         both are the registered positions */
     uint32_t object_a, object_b; /* NEAREST, DEPTH: these two objects, or one with all
-                        others; VERTICES: object_a alone; 0: all */
+                        others; VERTICES: object_a alone; 0: all. E_INVAL for
+                        what is asked of all: PAIRS, FEATURES, CROSSINGS */
     /* These four have the meaning that they have in struct pccd_step_settings. NEAREST
      * and DEPTH are always found by the method wide. */
     uint32_t threads;

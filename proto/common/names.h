@@ -54,6 +54,12 @@ static inline bool common_near_is_of_objects(uint32_t what)
     return what == PCCD_NEAR_NEAREST || what == PCCD_NEAR_DEPTH;
 }
 
+/* Return how many objects a question may name; of the others all are meant. */
+static inline int common_near_names_objects(uint32_t what)
+{
+    return common_near_is_of_objects(what) ? 2 : what == PCCD_NEAR_VERTICES ? 1 : 0;
+}
+
 /* Return whether it is about all pairs within the distance; these tell crossings, too. */
 static inline bool common_near_has_all_pairs(uint32_t what)
 {

@@ -446,6 +446,11 @@ CASE_CROSSING(near__refuses_by_name)
         {ASKED(.what = PCCD_NEAR_NEAREST, .object_a = crossing->object, .object_b = 5),
          PCCD_E_HANDLE, "object_b 0x5 is not in the scene"},
         {ASKED(.what = PCCD_NEAR_DEPTH), PCCD_E_INVAL, "run along the edge"},
+        {ASKED(.object_a = crossing->object), PCCD_E_INVAL, "what = 0 is asked of all"},
+        {ASKED(.what = PCCD_NEAR_CROSSINGS, .object_b = crossing->object), PCCD_E_INVAL,
+         "object_b is 0x"},
+        {ASKED(.what = PCCD_NEAR_VERTICES, .object_b = crossing->object), PCCD_E_INVAL,
+         "what = 2 is asked of all"},
     };
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -479,11 +484,12 @@ CASE_CROSSING(near__that_fails_moves_nothing)
         .object = crossing->object, .count = 3, .format = PCCD_FORMAT_F32, .x1 = x};
 
     test_crossing_positions(x, -1);
+    settings.what = PCCD_NEAR_NEAREST;
     settings.object_a = crossing->object + 9;
     assert_int_equal(
         pccd_ask_near(client, crossing->scene, &motion, 1, &settings, &answer),
         PCCD_E_HANDLE);
-    settings.object_a = 0;
+    settings = defaults;
     x[1][2] = NAN;
     assert_int_equal(
         pccd_ask_near(client, crossing->scene, &motion, 1, &settings, &answer),

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "names.h"
 #include "pccd_mpi.h"
 #include "play.h"
 #include "prng.h"
@@ -627,8 +628,9 @@ static struct pccd_near_settings choose_question(void)
     settings.threads = 1;
     settings.deadline_ns = chance(0.03) ? 1 : 0;
     const struct actor *a = random_actor(), *b = random_actor();
-    settings.object_a = a != NULL && chance(0.3) ? a->object : 0;
-    settings.object_b = b != NULL && chance(0.3) ? b->object : 0;
+    int named = common_near_names_objects(settings.what);
+    settings.object_a = a != NULL && named > 0 && chance(0.3) ? a->object : 0;
+    settings.object_b = b != NULL && named > 1 && chance(0.3) ? b->object : 0;
     return settings;
 }
 

@@ -82,6 +82,15 @@ static int check_near(struct srv_call *call)
         status = proto_error_set(&call->error, PCCD_E_INVAL,
                                  "object_a and object_b are both 0x%x", asked->object_a);
     }
+    const uint32_t objects[2] = {asked->object_a, asked->object_b};
+    for (int side = common_near_names_objects(asked->what); side < 2 && status == 0;
+         side++) {
+        if (objects[side] != 0) {
+            status = proto_error_set(&call->error, PCCD_E_INVAL,
+                                     "object_%c is 0x%x, and what = %u is asked of all",
+                                     "ab"[side], objects[side], asked->what);
+        }
+    }
     return status;
 }
 
