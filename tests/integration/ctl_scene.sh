@@ -78,7 +78,9 @@ check 1 box%d.obj --with side%d.obj --with floor.obj &&
     grep -qx 'pccdctl: --between: "box,flor" does not name two objects' err &&
     cp floor.obj 'a,b.obj' && check 1 box%d.obj --with a,b.obj --between a,b,box &&
     check 2 box%d.obj --between box && check 1 cross.obj cross.obj &&
-    check 0 cross.obj cross.obj --no-self && check 4 box%d.obj --with box0.obj --with both%d.obj &&
+    check 0 cross.obj cross.obj --no-self && check 1 cross.obj cross.obj --between cross,cross &&
+    check 0 cross.obj cross.obj --no-self --between cross,cross &&
+    grep -q 'nothing is compared' err && check 4 box%d.obj --with box0.obj --with both%d.obj &&
     grep -q '2 frames, and "box" has 4' err
 report scene__from_a_command_line
 

@@ -656,11 +656,11 @@ static void tell_up(void)
     const char *name = "PCCD_RECORD_OPTIONS";
     const char *given = getenv(name) != NULL ? getenv(name) : "";
     const char *up = strstr(given, "up=");
-    char text[256];
-    int length =
-        snprintf(text, sizeof text, "%s%sup=3", given, *given != '\0' ? "," : "");
-    if ((up == NULL || up[3] == '0') && length < (int)sizeof text) {
+    char *text = NULL;
+    if ((up == NULL || up[3] == '0') &&
+        asprintf(&text, "%s%sup=3", given, *given != '\0' ? "," : "") >= 0) {
         (void)setenv(name, text, 1);
+        free(text);
     }
 }
 

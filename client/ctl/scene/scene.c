@@ -214,15 +214,18 @@ static bool may_meet_any(const struct scene *scene, uint32_t a, bool *passed)
     return may;
 }
 
+static bool meets_itself(const struct pccd_object_settings *its)
+{
+    return (its->what & PCCD_OBJECT_SELF) == 0 || its->self_collision;
+}
+
 const char *scene_idle(const struct scene *scene, bool with_self)
 {
     bool *passed = calloc(scene->object_count + 1, sizeof *passed);
     bool may = passed == NULL; /* what comes next ends for want of memory, too */
     for (uint32_t a = 0; a < scene->object_count && !may; a++) {
-        const struct pccd_object_settings *its = &scene->objects[a].settings;
-        bool meets_itself =
-            (its->what & PCCD_OBJECT_SELF) == 0 || its->self_collision;
-        may = (with_self && meets_itself) || may_meet_any(scene, a, passed);
+        may = (with_self && meets_itself(&scene->objects[a].settings)) ||
+              may_meet_any(scene, a, passed);
     }
     free(passed);
     return may ? NULL : "no two objects may meet, nor one itself: nothing is compared";
@@ -236,8 +239,9 @@ static int leave_between(struct scene *scene, const uint32_t (*pairs)[2], size_t
     int status = PCCD_OK;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         struct pccd_object_settings *settings = &scene->objects[i].settings;
+        settings->self_collision =
+            meets_itself(settings) && are_between(pairs, count, i, i);
         settings->what |= PCCD_OBJECT_SELF;
-        settings->self_collision = are_between(pairs, count, i, i);
         bool is_named = false;
         for (size_t k = 0; k < 2 * count && !is_named; k++) {
             is_named = pairs[k / 2][k % 2] == i;
