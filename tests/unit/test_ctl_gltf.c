@@ -266,6 +266,21 @@ CASE(scene__is_the_one_that_the_file_names)
     }
 }
 
+/* If it failed: what nobody sees in the scene would be checked with the rest. */
+CASE(node__that_is_hidden_is_passed_over)
+{
+#define SEEN(yes) "'extensions':{'KHR_node_visibility':{'visible':" yes "}}"
+    begin_corner();
+    open_made(ONE_MESH
+              ",'extensionsRequired':['KHR_node_visibility'],"
+              "'nodes':[{'children':[1]," SEEN("false") "},{'mesh':0," SEEN("true") "},"
+              "{'mesh':0,'translation':[7,0,0]," SEEN("true") "},"
+              "{'mesh':0," SEEN("false") "}]");
+    assert_int_equal(mesh.triangles.count, 1);
+    CHECK(0, {8, 0, 0});
+#undef SEEN
+}
+
 /* If it failed: who has the file would not know which node is wrong, or the reader would
  * not come to an end. */
 CASE(node__refuses_what_is_no_tree)

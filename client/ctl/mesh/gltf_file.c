@@ -106,6 +106,7 @@ void gltf_numbers(struct gltf *gltf, struct gltf_named object, const char *name,
  * a star stands for all that begin so. */
 static const char *const known_extensions[] = {"KHR_mesh_quantization",
                                                "EXT_mesh_gpu_instancing",
+                                               "KHR_node_visibility",
                                                "KHR_materials_*",
                                                "KHR_texture_*",
                                                "KHR_lights_*",

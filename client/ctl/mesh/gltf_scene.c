@@ -13,6 +13,7 @@
 #include "coordinates.h"
 
 #define INSTANCING     "EXT_mesh_gpu_instancing"
+#define VISIBILITY     "KHR_node_visibility"
 #define LAST_ROW_ERROR 1e-5 /* of inverse matrices that were rounded to floats */
 #define TURN_DEGREES   1.0  /* between two frames, beyond which it is told */
 
@@ -33,6 +34,9 @@ static void read_node(struct gltf_scene *scene, size_t index)
     const json_t *json = node->json = gltf_entry(gltf, "nodes", (long long)index);
     const struct gltf_named named = {json, "node", index};
     const json_t *children = json_object_get(json, "children");
+    const json_t *hides =
+        json_object_get(json_object_get(json, "extensions"), VISIBILITY);
+    node->is_hidden = json_is_false(json_object_get(hides, "visible"));
     node->has_matrix = json_object_get(json, "matrix") != NULL;
     gltf_numbers(gltf, named, "matrix", 16, node->matrix);
     for (int i = 0; i < GLTF_POSE_PATHS; i++) {
@@ -143,15 +147,17 @@ static void read_skin(struct gltf_scene *scene, struct gltf_object *object)
     }
 }
 
-/* Read what a node shows, without its vertices. The weights of the morph targets are
- * those of the node, else of the mesh, else 0. */
+/* Read what a node shows, without its vertices: nothing if it or one above it is hidden;
+ * that one is read before. The weights of the morph targets are those of the node, else
+ * of the mesh, else 0. */
 static void read_object(struct gltf_scene *scene, size_t index)
 {
     struct gltf *gltf = &scene->gltf;
     struct gltf_node *node = &scene->nodes[index];
     long long number = gltf_number(node->json, "mesh", -1);
     const json_t *entry = gltf_entry(gltf, "meshes", number);
-    if (json_object_get(node->json, "mesh") == NULL ||
+    node->is_hidden |= node->parent != NULL && node->parent->is_hidden;
+    if (node->is_hidden || json_object_get(node->json, "mesh") == NULL ||
         /* Marks of contacts, unlike objects, do not move. */
         (gltf->is_export && json_object_get(entry, "weights") == NULL) ||
         !gltf_check_as(gltf, entry != NULL, PCCD_E_INDEX,

@@ -31,6 +31,7 @@ struct gltf_node {
     const json_t *json;
     struct gltf_node *parent; /* NULL: none */
     bool is_listed;
+    bool is_hidden; /* once read: or one above it is (KHR_node_visibility) */
     bool moves_mesh; /* it or what is below it has vertices, or is a joint */
     bool has_matrix; /* of these columns, instead of a pose */
     double matrix[16];
