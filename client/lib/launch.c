@@ -391,12 +391,21 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
     return status;
 }
 
-/* A folder that only this user can enter. */
-static int make_directory(struct pccd_client *client, char *directory)
+/* Make a folder that only this user can enter: the one that a socket was in before, whose
+ * path others may know, or another one. */
+static int make_directory(struct pccd_client *client, const char *before, char *directory)
 {
     const char *runtime = getenv("XDG_RUNTIME_DIR");
     const char *const parents[2] = {runtime, "/tmp"};
+    const char *slash = strrchr(before, '/');
 
+    if (slash != NULL) {
+        (void)snprintf(directory, CLI_SOCKET_BYTES, "%.*s", (int)(slash - before),
+                       before);
+        if (mkdir(directory, S_IRWXU) == 0) {
+            return 0;
+        }
+    }
     for (size_t i = 0; i < 2; i++) {
         int length;
 
@@ -436,7 +445,7 @@ int cli_launch_private(struct pccd_client *client, const char *program, char *pa
     if (status != 0) {
         return status;
     }
-    status = make_directory(client, client->child.directory);
+    status = make_directory(client, path, client->child.directory);
     if (status != 0) {
         return status;
     }

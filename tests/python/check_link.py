@@ -72,7 +72,8 @@ class Ways(Case):
             error = self.fails(status.E_NODAEMON, pccd.connect)
         self.assertIn("/nowhere/else", error.text)
 
-    # If this failed, a private daemon would stay when its client is gone, or its folder.
+    # If this failed, a private daemon would stay when its client is gone, or its folder;
+    # or come back elsewhere, where nobody finds it whom its client has told of it.
     def test_private_daemons__go_with_their_client(self):
         with tempfile.TemporaryDirectory() as runtime, \
                 mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": runtime}):
@@ -90,6 +91,12 @@ class Ways(Case):
             os.waitpid(child, 0)
             client.ping()
             self.assertTrue(is_running(pid))
+            with pccd.connect(client.url) as other:
+                os.kill(pid, signal.SIGKILL)
+                client.ping()
+                self.assertEqual((other.url, other.ping() > 0), (client.url, True))
+                self.assertNotEqual(other.daemon_pid, pid)
+            pid = client.daemon_pid
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ResourceWarning)
                 del client
