@@ -76,8 +76,10 @@ static uint32_t find_pieces(const struct eng_mesh *mesh, uint32_t *of)
 
 /* ---- orders ------------------------------------------------------------------------ */
 
-/* Features of an object below which one thread orders them: some 3 ms. */
-#define TEAM_FEATURES_MIN 32768u
+/* Features of an object below which one thread orders them, some 2 ms; and for each of
+ * a team at least. */
+#define TEAM_FEATURES_MIN   32768u
+#define THREAD_FEATURES_MIN 8192u
 
 /* Pieces of a mesh that are told apart, and triangles of each on average: with fewer,
  * more than an eighth of all slots would be behind pieces. */
@@ -183,7 +185,9 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
 
 static int threads_for(size_t features, uint32_t threads)
 {
-    uint32_t most = ENG_WIDE_PARTS_MAX / ENG_WIDE_TREES;
+    size_t most = features / THREAD_FEATURES_MIN;
+    size_t parts = ENG_WIDE_PARTS_MAX / ENG_WIDE_TREES;
+    most = most < parts ? most : parts;
     return features < TEAM_FEATURES_MIN || threads == 0 ? 1
            : threads < most                             ? (int)threads
                                                         : (int)most;
@@ -217,7 +221,7 @@ struct making {
     uint32_t *next;                /* [piece_count] */
     struct eng_wide_range *parts;  /* of a tree each piece, or more parts */
     int team;                      /* threads */
-    struct eng_wide_lists *lists;  /* of each; NULL: none */
+    uint64_t *words;               /* for each; NULL: none */
 };
 
 static void making_free(struct making *making)
@@ -228,7 +232,7 @@ static void making_free(struct making *making)
     eng_free(making->pieces);
     eng_free(making->next);
     eng_free(making->parts);
-    eng_free(making->lists);
+    eng_free(making->words);
 }
 
 static void count_features(const struct making *making, const struct eng_mesh *mesh)
@@ -330,7 +334,7 @@ static struct eng_wide_order *making_begin(struct making *making,
         size_t slots = (size_t)order->count[0] + order->count[1] + order->count[2];
         size_t parts = (size_t)ENG_WIDE_TREES * order->piece_count;
         making->team = threads_for(slots, threads);
-        bool wants_lists = slots >= ENG_WIDE_LISTS_MIN;
+        bool wants_words = slots >= ENG_WIDE_WORDS_MIN;
         for (int kind = 0; making->team == 1 && kind < ENG_WIDE_TREES; kind++) {
             slots = kind == 0 || order->count[kind] > slots ? order->count[kind] : slots;
         }
@@ -339,8 +343,12 @@ static struct eng_wide_order *making_begin(struct making *making,
         making->pieces = eng_alloc(order->piece_count, sizeof *making->pieces);
         making->next = eng_alloc(order->piece_count, sizeof *making->next);
         making->parts = eng_alloc(parts, sizeof *making->parts);
-        if (wants_lists && making->parts) { /* last: it goes without them, too */
-            making->lists = eng_alloc((size_t)making->team, sizeof *making->lists);
+        if (wants_words && making->parts) { /* last: it goes without them, too */
+            size_t most = making->team > 1 || slots > ENG_WIDE_WORDS_MAX
+                              ? ENG_WIDE_WORDS_MAX
+                              : slots;
+            making->words =
+                eng_alloc((size_t)making->team * most, 2 * sizeof *making->words);
         }
     }
     if (!order || !making->items || !making->pieces || !making->next || !making->parts) {
@@ -417,7 +425,7 @@ static void sort_trees(struct making *making, struct eng_wide_order *made,
         first += made->count[kind];
         if (making->team == 1 || kind + 1 == ENG_WIDE_TREES) {
             eng_wide_sort_parts(making->items, making->parts, parts, making->team,
-                                making->lists, ids);
+                                making->words, ids);
             ids += first;
             first = 0;
             parts = 0;

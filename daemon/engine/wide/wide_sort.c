@@ -1,25 +1,30 @@
-/* wide_sort.c - splits at medians, and of many items by lists that are sorted once.
+/* wide_sort.c - splits at medians, of items or of words in their place.
  *
  * The order does not depend on how many threads made it: each split is of a list that
  * they do not change.
  *
- * To sort an item along three axes takes some 150 instructions, and 25 for each time that
- * its range is halved. To look for medians among items that are not sorted takes 75 for
- * each time, and less only in long ranges.
+ * To halve the range of a word takes some 20 instructions: its key is counted, and the
+ * word goes to where those of its bin are. To look for medians among items takes 75, and
+ * less only in long ranges.
  */
 #include "wide_sort.h"
 
 #include <assert.h>
+#include <float.h>
 #include <omp.h>
 #include <string.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
+#include "aabb.h"
 #include "boxes.h"
 #include "kernel.h"
 #include "parallel.h"
 
 /* Parts for each thread, so that they end together. */
 #define PARTS_PER_THREAD 8u
-#define PART_SPLIT_MIN   (4 * ENG_WIDE_LISTS_MIN)
+#define PART_SPLIT_MIN   (ENG_WIDE_WORDS_MAX + 1)
 
 /* Return whether a range is across a multiple of `step` slots, so that it is to be split
  * there; a power of two. */
@@ -55,163 +60,257 @@ static void write_ids(const struct eng_split_item *items, struct eng_wide_range 
     }
 }
 
-/* ---- lists ------------------------------------------------------------------------- */
+/* ---- words ------------------------------------------------------------------------- */
 
-#define INDEX_BITS 16u
-static_assert(ENG_WIDE_LISTS_MAX <= 1u << INDEX_BITS, "indices");
+/* A word is an item of a range: where it is along each axis, in 0 .. STEPS of the longest
+ * extent, above its index. */
+#define KEY_BITS   16u
+#define STEPS      32767
+#define INDEX_MASK 0xffffu
+static_assert(ENG_WIDE_WORDS_MAX <= INDEX_MASK + 1, "indices");
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "lanes of words");
 
-/* In the order of floats; both zeros are the same. */
-static uint32_t key_of(float x)
+/* Ranges that extend over fewer steps are measured anew. */
+#define STEPS_MIN 512u
+
+/* So many steps may be one of two rounded extents, of which the other one is longer. */
+#define STEPS_UNSURE 2u
+
+/* Bins in which words are counted: as many as there are words, divided by BIN_WORDS. */
+#define BINS_MIN  32u
+#define BINS_MAX  512u
+#define BIN_WORDS 4u
+
+/* Two words. */
+typedef int16_t keys8 __attribute__((vector_size(16)));
+
+static inline keys8 min8(keys8 a, keys8 b)
 {
-    float sum = x + 0.0f;
-    uint32_t bits;
-    memcpy(&bits, &sum, sizeof bits);
-    return bits >> 31 ? ~bits : bits | 1u << 31;
+#ifdef __SSE2__
+    return (keys8)_mm_min_epi16((__m128i)a, (__m128i)b); /* the same, one instruction */
+#else
+    return (a & (a < b)) | (b & ~(a < b));
+#endif
 }
 
-/* Sort words, each a key above the index of an item: to indices[]. Keys differ in these
- * bits. */
-static void sort_words(struct eng_wide_lists *lists, uint32_t count, uint32_t differ,
-                       uint16_t *indices)
+static inline keys8 max8(keys8 a, keys8 b)
 {
-    const uint64_t *words = lists->words[0];
-    if (differ != 0) {
-        unsigned low = (unsigned)__builtin_ctz(differ);
-        unsigned bits = 32 - (unsigned)__builtin_clz(differ) - low;
-        words = eng_radix_sort_words(lists->words[0], lists->words[1], count,
-                                     INDEX_BITS + low, bits);
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        indices[i] = (uint16_t)words[i];
-    }
+#ifdef __SSE2__
+    return (keys8)_mm_max_epi16((__m128i)a, (__m128i)b);
+#else
+    return (a & (a > b)) | (b & ~(a > b));
+#endif
 }
 
-/* The indices of the items by their ids: which of two comes first that are beside each
- * other. */
-static void sort_ids(struct eng_wide_lists *lists, const struct eng_split_item *items,
-                     uint32_t count, uint16_t *indices)
+struct bounds {
+    float low[3];
+    float high[3];
+};
+
+static struct bounds bounds_of(const struct eng_split_item *items, const uint64_t *words,
+                               uint32_t count)
 {
-    uint32_t differ = 0;
-    bool is_sorted = true;
-    for (uint32_t i = 0; i < count; i++) {
-        is_sorted = is_sorted && (i == 0 || items[i - 1].id < items[i].id);
-        differ |= items[i].id ^ items[0].id;
-        lists->words[0][i] = (uint64_t)items[i].id << INDEX_BITS | i;
+    eng_f4 low, high; /* of the ids too, which are not looked at */
+    memcpy(&low, &items[words[0] & INDEX_MASK], sizeof low);
+    high = low;
+    for (uint32_t i = 1; i < count; i++) {
+        eng_f4 item;
+        memcpy(&item, &items[words[i] & INDEX_MASK], sizeof item);
+        low = eng_min4(low, item);
+        high = eng_max4(high, item);
     }
-    sort_words(lists, count, is_sorted ? 0 : differ, indices);
+    return (struct bounds){{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-/* From the order of the ids to that along an axis. */
-static void sort_axis(struct eng_wide_lists *lists, const struct eng_split_item *items,
-                      uint32_t count, int axis, const uint16_t *by_id, uint16_t *indices)
-{
-    uint32_t differ = 0;
-    uint32_t first = key_of(items[0].centroid[axis]);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t key = key_of(items[by_id[i]].centroid[axis]);
-        differ |= key ^ first;
-        lists->words[0][i] = (uint64_t)key << INDEX_BITS | by_id[i];
-    }
-    sort_words(lists, count, differ, indices);
-}
-
-/* The axis along which a range extends most, as eng_median_axis says. */
-static int axis_of(const struct eng_wide_lists *lists, const struct eng_split_item *items,
-                   size_t first, uint32_t count)
+/* Return the axis along which items extend most, as eng_median_axis does. */
+static int axis_of(const struct bounds *bounds)
 {
     int axis = 0;
-    float most = 0;
-    for (int k = 0; k < 3; k++) {
-        const uint16_t *indices = lists->sorted[k] + first;
-        float extent =
-            items[indices[count - 1]].centroid[k] - items[indices[0]].centroid[k];
-        if (k == 0 || extent > most) {
+    for (int k = 1; k < 3; k++) {
+        if (bounds->high[k] - bounds->low[k] > bounds->high[axis] - bounds->low[axis]) {
             axis = k;
-            most = extent;
         }
     }
     return axis;
 }
 
-/* Those of the first half stay in front, in their order, the others go behind. */
-static void divide(struct eng_wide_lists *lists, uint16_t *indices, uint32_t count)
+/* Make words of the items whose indices they have. */
+static void measure(const struct eng_split_item *items, uint64_t *words, uint32_t count)
 {
-    size_t behind = 0;
-    for (size_t i = 0; i < count; i++) {
-        uint16_t index = indices[i];
-        indices[i - behind] = index;
-        lists->second[behind] = index;
-        behind += lists->is_second[index];
-    }
-    memcpy(indices + count - behind, lists->second, behind * sizeof *indices);
-}
-
-static void list_ids(struct eng_wide_lists *lists, const struct eng_split_item *items,
-                     struct eng_wide_range range, int axis)
-{
-    const uint16_t *indices = lists->sorted[axis] + range.first;
-    for (uint32_t i = 0; i < range.count; i++) {
-        lists->id[range.first + i] = items[indices[i]].id;
+    const struct bounds bounds = bounds_of(items, words, count);
+    const int axis = axis_of(&bounds);
+    const float longest = bounds.high[axis] - bounds.low[axis];
+    const float scale = longest > FLT_MIN ? STEPS / longest : 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t index = (uint32_t)words[i] & INDEX_MASK;
+        uint64_t word = index;
+        for (unsigned k = 0; k < 3; k++) {
+            float way = items[index].centroid[k] - bounds.low[k];
+            word |= (uint64_t)(way * scale) << (k + 1) * KEY_BITS;
+        }
+        words[i] = word;
     }
 }
 
-/* Split a range, whose first item is the first of the lists: the halves that are to be
- * split, too, go to halves[]; returns how many. */
-static uint32_t halve(struct eng_wide_lists *lists, const struct eng_split_item *items,
-                      struct eng_wide_range range, struct eng_wide_range halves[2])
+/* Along an axis keys begin at `low`, and extend so many steps. */
+struct extent {
+    int axis;
+    uint32_t low;
+    uint32_t steps;
+};
+
+/* Fill extents[3] by the keys of words. Returns the axis of the longest. */
+static int extents_of(const uint64_t *words, uint32_t count, struct extent *extents)
 {
-    int axis = axis_of(lists, items, range.first, range.count);
-    uint32_t middle = middle_of(range, ENG_WIDE);
-    const uint16_t *along = lists->sorted[axis] + range.first;
-    const struct eng_wide_range both[2] = {
-        {range.first, range.slot, middle},
-        {range.first + middle, range.slot + middle, range.count - middle}};
-    uint32_t waiting = 0;
-    for (int half = 0; half < 2; half++) {
-        if (is_across(both[half], ENG_WIDE)) {
-            halves[waiting++] = both[half];
-        } else {
-            list_ids(lists, items, both[half], axis);
-        }
+    keys8 low, high, two; /* the last two may be looked at again */
+    int axis = 0;
+    assert(count >= 2);
+    memcpy(&two, words + count - 2, sizeof two);
+    low = high = two;
+    for (uint32_t i = 0; i + 2 <= count; i += 2) {
+        memcpy(&two, words + i, sizeof two);
+        low = min8(low, two);
+        high = max8(high, two);
     }
-    if (waiting > 0) {
-        for (uint32_t i = 0; i < middle; i++) {
-            lists->is_second[along[i]] = 0;
-        }
-        for (uint32_t i = middle; i < range.count; i++) {
-            lists->is_second[along[i]] = 1;
-        }
-        for (int k = 1; k < 3; k++) {
-            divide(lists, lists->sorted[(axis + k) % 3] + range.first, range.count);
-        }
+    for (int k = 0; k < 3; k++) { /* lane 0 is the index */
+        int from = low[k + 1] < low[k + 5] ? low[k + 1] : low[k + 5];
+        int to = high[k + 1] > high[k + 5] ? high[k + 1] : high[k + 5];
+        extents[k] = (struct extent){k, (uint32_t)from, (uint32_t)(to - from)};
+        axis = extents[k].steps > extents[axis].steps ? k : axis;
     }
-    return waiting;
+    return axis;
 }
 
-void eng_wide_lists_sort(struct eng_wide_lists *lists, const struct eng_split_item *items,
+/* Return the longest extent: by the keys if they tell, which may be set anew. */
+static struct extent longest_of(const struct eng_split_item *items, uint64_t *words,
+                                uint32_t count)
+{
+    struct extent extents[3];
+    int axis = extents_of(words, count, extents);
+    if (extents[axis].steps < STEPS_MIN) {
+        measure(items, words, count);
+        axis = extents_of(words, count, extents);
+    }
+    for (int k = 0; k < 3; k++) {
+        if (k != axis && extents[k].steps + STEPS_UNSURE >= extents[axis].steps) {
+            const struct bounds bounds = bounds_of(items, words, count);
+            return extents[axis_of(&bounds)];
+        }
+    }
+    return extents[axis];
+}
+
+static inline uint32_t key_of(uint64_t word, unsigned shift, uint32_t mask)
+{
+    return (uint32_t)(word >> shift) & mask;
+}
+
+/* Sort the words of a bin along an axis, and by ids where items are equal there. Few are
+ * in one as a rule, all where a few others are far away. */
+static void sort_bin(const struct eng_split_item *items, uint64_t *words, uint32_t count,
+                     int axis)
+{
+    static const uint32_t gaps[] = {16577, 4193, 1073, 281, 77, 23, 8, 1};
+    for (uint32_t g = 0; g < sizeof gaps / sizeof *gaps; g++) {
+        const uint32_t gap = gaps[g];
+        for (uint32_t i = gap; i < count; i++) {
+            const uint64_t word = words[i];
+            const struct eng_split_item *item = &items[word & INDEX_MASK];
+            uint32_t at = i;
+            for (; at >= gap; at -= gap) {
+                const struct eng_split_item *other = &items[words[at - gap] & INDEX_MASK];
+                float x = other->centroid[axis], y = item->centroid[axis];
+                if (x < y || (x == y && other->id < item->id)) {
+                    break;
+                }
+                words[at] = words[at - gap];
+            }
+            words[at] = word;
+        }
+    }
+}
+
+/* Split words: none of the first `middle` of to[] comes after any of the rest along the
+ * longest extent. They are dealt to bins of some keys each, of which one is across the
+ * middle. */
+static void halve(const struct eng_split_item *items, const uint64_t *from, uint64_t *to,
+                  uint32_t count, uint32_t middle, struct extent extent)
+{
+    uint32_t end[BINS_MAX]; /* of each bin; at first how many words are in it */
+    uint32_t bins = BINS_MIN;
+    while (bins < BINS_MAX && bins * BIN_WORDS < count) {
+        bins *= 2;
+    }
+    unsigned fold = 0; /* bits of keys in one bin */
+    while (((extent.low + extent.steps) >> fold) - (extent.low >> fold) >= bins) {
+        fold++;
+    }
+    const unsigned shift = (unsigned)(extent.axis + 1) * KEY_BITS + fold;
+    const uint32_t mask = STEPS >> fold, first = extent.low >> fold;
+    memset(end, 0, bins * sizeof *end);
+    for (uint32_t i = 0; i < count; i++) {
+        end[key_of(from[i], shift, mask) - first]++;
+    }
+    for (uint32_t bin = 0, sum = 0; bin < bins; bin++) {
+        uint32_t in_bin = end[bin];
+        end[bin] = sum;
+        sum += in_bin;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t word = from[i];
+        to[end[key_of(word, shift, mask) - first]++] = word;
+    }
+    uint32_t bin = key_of(to[middle], shift, mask) - first;
+    uint32_t begin = bin > 0 ? end[bin - 1] : 0;
+    if (begin < middle) {
+        sort_bin(items, to + begin, end[bin] - begin, extent.axis);
+    }
+}
+
+void eng_wide_words_sort(uint64_t *words, const struct eng_split_item *items,
                          struct eng_wide_range range, uint32_t *ids)
 {
-    struct eng_wide_range stack[64]; /* as in struct eng_wide_sorter */
-    uint32_t waiting = 1;
-    assert(range.count > 0 && range.count <= ENG_WIDE_LISTS_MAX);
+    struct {
+        struct eng_wide_range range; /* its first word is .first of sides[.side] */
+        int side;
+    } stack[32]; /* as in struct eng_wide_sorter */
+    uint64_t *const sides[2] = {words, words + range.count};
+    uint32_t waiting = 0;
+    assert(range.count > 0 && range.count <= ENG_WIDE_WORDS_MAX);
     if (!is_across(range, ENG_WIDE)) {
         write_ids(items, range, ids);
         return;
     }
     items += range.first;
-    lists->id = ids + range.first;
-    sort_ids(lists, items, range.count, lists->second);
-    for (int k = 0; k < 3; k++) {
-        sort_axis(lists, items, range.count, k, lists->second, lists->sorted[k]);
+    ids += range.first;
+    range.first = 0;
+    for (uint32_t i = 0; i < range.count; i++) {
+        words[i] = i;
     }
-    stack[0] = (struct eng_wide_range){0, range.slot, range.count};
+    measure(items, words, range.count);
+    stack[waiting].range = range;
+    stack[waiting++].side = 0;
     while (waiting > 0) {
-        waiting--;
-        struct eng_wide_range halves[2];
-        uint32_t count = halve(lists, items, stack[waiting], halves);
-        assert(waiting + count <= sizeof stack / sizeof *stack);
-        memcpy(stack + waiting, halves, count * sizeof *halves);
-        waiting += count;
+        range = stack[--waiting].range;
+        const int side = stack[waiting].side;
+        uint64_t *from = sides[side] + range.first;
+        uint64_t *to = sides[1 - side] + range.first;
+        uint32_t middle = middle_of(range, ENG_WIDE);
+        halve(items, from, to, range.count, middle, longest_of(items, from, range.count));
+        struct eng_wide_range halves[2] = {range, behind(range, middle)};
+        halves[0].count = middle;
+        for (int half = 0; half < 2; half++) {
+            range = halves[half];
+            if (is_across(range, ENG_WIDE)) {
+                assert(waiting < sizeof stack / sizeof *stack);
+                stack[waiting].range = range;
+                stack[waiting++].side = 1 - side;
+                continue;
+            }
+            for (size_t i = range.first; i < range.first + range.count; i++) {
+                ids[i] = items[sides[1 - side][i] & INDEX_MASK].id;
+            }
+        }
     }
 }
 
@@ -269,18 +368,18 @@ static void sort_range(struct eng_split_item *items, struct eng_wide_range all,
 
 /* The same of a part whose places are not needed any more, to ids[]. */
 static void sort_part(struct eng_split_item *items, struct eng_wide_range part,
-                      struct eng_wide_lists *lists, uint32_t *ids)
+                      uint64_t *words, uint32_t *ids)
 {
     struct eng_wide_sorter sorter;
     eng_wide_sorter_begin(&sorter, part, ENG_WIDE);
     while (sorter.waiting > 0) {
         struct eng_wide_range range = sorter.stack[--sorter.waiting];
-        if (range.count > ENG_WIDE_LISTS_MAX && lists) {
+        if (range.count > ENG_WIDE_WORDS_MAX && words) {
             struct eng_wide_range second = split(items, &range, ENG_WIDE);
             push(&sorter, second);
             push(&sorter, range);
-        } else if (lists && range.count >= ENG_WIDE_LISTS_MIN) {
-            eng_wide_lists_sort(lists, items, range, ids);
+        } else if (words && range.count >= ENG_WIDE_WORDS_MIN) {
+            eng_wide_words_sort(words, items, range, ids);
         } else {
             sort_range(items, range, ENG_WIDE);
             write_ids(items, range, ids);
@@ -330,12 +429,12 @@ void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
     sort_range(items, (struct eng_wide_range){0, 0, count}, least);
 }
 
-/* No part is split here that has too few items for lists to take both halves: they alone
- * decide how the items of a group follow each other. */
+/* No part is split here that words can take whole: they alone decide how the items of a
+ * group follow each other. */
 void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
-                         uint32_t count, int threads, struct eng_wide_lists *lists,
-                         uint32_t *ids)
+                         uint32_t count, int threads, uint64_t *words, uint32_t *ids)
 {
+    const uint32_t stride = 2 * ENG_WIDE_WORDS_MAX;
     struct eng_parallel region = eng_parallel_open();
     while (threads > 1 && count < (uint32_t)threads * PARTS_PER_THREAD &&
            2 * count <= ENG_WIDE_PARTS_MAX) {
@@ -351,7 +450,8 @@ void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *pa
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (uint32_t i = 0; i < count; i++) {
         ENG_PARALLEL_JOIN(region);
-        sort_part(items, parts[i], lists ? lists + omp_get_thread_num() : NULL, ids);
+        uint64_t *own = words ? words + stride * (uint32_t)omp_get_thread_num() : NULL;
+        sort_part(items, parts[i], own, ids);
     }
     eng_parallel_close();
 }

@@ -2,7 +2,7 @@
  * of 16 slots at which the range can be split.
  *
  * Threads: [any]; the memory is one caller's.
- * Source: Bentley 1975 (k-d trees); Vaidya 1989 (lists that stay sorted).
+ * Source: Bentley 1975 (k-d trees); Sedgewick 1986 (gaps of a Shell sort).
  */
 #ifndef ENG_WIDE_SORT_H
 #define ENG_WIDE_SORT_H
@@ -43,34 +43,26 @@ void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range
 bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_item *items,
                              uint32_t whole);
 
-/* So many items at most, with which all of this stays in near caches; and so many at
- * least, below which the passes do not pay. */
-#define ENG_WIDE_LISTS_MAX 4096u
-#define ENG_WIDE_LISTS_MIN 256u
+/* So many items at most, whose words stay in a near cache; and so many at least, below
+ * which it does not pay. */
+#define ENG_WIDE_WORDS_MAX 16384u
+#define ENG_WIDE_WORDS_MIN 256u
 
-struct eng_wide_lists {
-    uint64_t words[2][ENG_WIDE_LISTS_MAX];  /* one axis, while it is sorted */
-    uint16_t sorted[3][ENG_WIDE_LISTS_MAX]; /* items along each axis */
-    uint16_t second[ENG_WIDE_LISTS_MAX];    /* some of them on their way */
-    uint8_t is_second[ENG_WIDE_LISTS_MAX];  /* in which half each item is */
-    uint32_t *id;                           /* in the end */
-};
-
-/* Split a range down to groups of 16. The ids go to ids[range.first] and so on, in an
- * order that depends on the items alone; groups have the same items as by
- * eng_wide_sort. */
-void eng_wide_lists_sort(struct eng_wide_lists *lists, const struct eng_split_item *items,
+/* Split a range down to groups of 16, by words of 64 bits in the place of its items.
+ * words[2 * range.count] is scratch. The ids go to ids[range.first] and so on, in an
+ * order that depends on the items alone; groups are those of eng_wide_sort. */
+void eng_wide_words_sort(uint64_t *words, const struct eng_split_item *items,
                          struct eng_wide_range range, uint32_t *ids);
 
 /* Parts of all three trees, at most. */
 #define ENG_WIDE_PARTS_MAX 768u
 
 /* Sort all of parts[count], which have room for ENG_WIDE_PARTS_MAX, down to groups of 16,
- * by as many threads: parallel regions if there are several. lists[threads]: with which
- * many items are sorted sooner; NULL: without. The items are lost; their ids go to ids[],
- * each to where its item belongs. */
+ * by as many threads: parallel regions if there are several. words: scratch, for each of
+ * several threads 2 * ENG_WIDE_WORDS_MAX, for one as many as for its largest part; NULL:
+ * items are sorted without. The items are lost; their ids go to ids[], each to where its
+ * item belongs. */
 void eng_wide_sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
-                         uint32_t count, int threads, struct eng_wide_lists *lists,
-                         uint32_t *ids);
+                         uint32_t count, int threads, uint64_t *words, uint32_t *ids);
 
 #endif
