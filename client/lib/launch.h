@@ -14,7 +14,8 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
                     uint64_t deadline_ns);
 
 /* Start a daemon of our own in a folder of its own, and say its socket's path in
- * path[CLI_SOCKET_BYTES], which has that of the daemon before, or "". client->child is set as soon as there is something to stop. */
+ * path[CLI_SOCKET_BYTES], which has that of the daemon before, or "". client->child is
+ * set as soon as there is something to stop. */
 int cli_launch_private(struct pccd_client *client, const char *program, char *path,
                        uint64_t deadline_ns);
 
