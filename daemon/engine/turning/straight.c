@@ -43,6 +43,10 @@
 
 #define KINDS 2 /* PCCD_VF and PCCD_EE */
 
+/* Nodes of a side of which is kept what is known of their children. */
+#define OPENED    64u
+#define NODE_NONE UINT32_MAX
+
 /* A side of the pair. A point b of its frame, measured from the origin of its boxes, lies
  * at r[end] b + off[end] along an axis. */
 struct view {
@@ -71,9 +75,25 @@ struct shadows {
     f4 size; /* half of the longest side, about */
 };
 
+/* The children of a node as the two objects lie: kept, as a node is opened beside many
+ * of the other side. */
+struct opened {
+    uint32_t node;     /* NODE_NONE: of none */
+    uint32_t users;    /* that look at them now */
+    unsigned children; /* bits: which there are .. */
+    unsigned leaves;   /* .. and which are leaves */
+    int known;         /* along so many axes there are shadows */
+    bool is_placed;    /* leaves are: */
+    struct shadows shadows;
+    struct vectors x[2][3]; /* corners of leaves, at both ends */
+    struct vectors normals; /* across these */
+    uint32_t first[4];      /* the corners of a leaf are points first .. */
+    uint64_t round[4];      /* .. of that round */
+};
+
 /* A node or a leaf of a side: child `which` of a node. */
 struct item {
-    const struct shadows *shadows; /* of those children */
+    struct opened *opened; /* that node */
     uint32_t which;
     uint32_t ref;   /* 0: the root; else its place + 1 among the children of all nodes */
     uint32_t child; /* body_tree.h */
@@ -101,16 +121,14 @@ struct eng_straight {
     struct eng_straight_chords chords;
     uint32_t looks;
     bool stops;
-    struct {
-        uint32_t leaf; /* whose corners are points first .. */
-        uint32_t first;
-        bool is_there;
-    } corners[2];
+    struct opened opened[2][OPENED]; /* of either side, by node */
     struct {
         uint32_t leaf; /* where that is at both ends, in all lanes */
         bool is_there;
         struct vectors x[2][3];
+        struct vectors normal;
     } alone[2];
+    uint64_t round; /* of points: one ends with each test of all that waits */
     uint32_t point_count;
     struct eng_point points[POINTS];
     struct chunk chunks[KINDS];
@@ -127,6 +145,7 @@ static int make(struct eng_straight **straight)
     made->point_count = 0;
     made->stops = false;
     made->looks = 0;
+    made->round = 1;
     made->chunks[PCCD_VF].count = made->chunks[PCCD_EE].count = 0;
     *straight = made;
     return PCCD_OK;
@@ -283,7 +302,11 @@ static void begin(struct eng_straight *straight, const struct eng_turning_side s
     for (int i = 0; i < 2; i++) {
         struct view *view = &straight->side[i];
         set_side(view, &side[i]);
-        straight->corners[i].is_there = straight->alone[i].is_there = false;
+        straight->alone[i].is_there = false;
+        for (uint32_t k = 0; k < OPENED; k++) {
+            straight->opened[i][k].node = NODE_NONE;
+            straight->opened[i][k].users = 0;
+        }
         for (int k = 0; k < 3; k++) {
             set_axis(view, k, axes[3 * i + k]);
         }
@@ -330,76 +353,114 @@ static inline void set_shadow(const struct view *view, const struct eng_body_box
     shadows->half[k] = turned(view->most[k], boxes->half);
 }
 
-static void set_size(const struct eng_straight *straight, const struct view *view,
-                     struct shadows *shadows)
+/* Have the shadows of the children along the first axes, a multiple of three. */
+static void know(const struct eng_straight *straight, int side, struct opened *opened,
+                 const struct eng_body_boxes *boxes, int axes)
 {
-    const f4 *own = shadows->half + (view == &straight->side[0] ? 0 : 3);
-    shadows->size = eng_max4(eng_max4(own[0], own[1]), own[2]);
-}
-
-/* Return which children of a node there are. */
-static unsigned children_of(const struct view *view, uint32_t node)
-{
-    const uint32_t *children = view->tree->children[node];
-    unsigned bits = 1;
-    for (unsigned i = 1; i < 4; i++) {
-        bits |= (unsigned)(children[i] != ENG_BODY_NONE) << i;
+    struct shadows *shadows = &opened->shadows;
+    for (; opened->known < axes; opened->known++) {
+        set_shadow(&straight->side[side], boxes, opened->known, shadows);
     }
-    return bits;
+    if (axes == straight->axes) {
+        const f4 *own = shadows->half + 3 * side;
+        shadows->size = eng_max4(eng_max4(own[0], own[1]), own[2]);
+    }
 }
 
-/* Return which children of a node of a side may meet an item of the other one. */
-static unsigned may_meet(struct eng_straight *straight, const struct view *view,
-                         uint32_t node, const struct item *other, struct shadows *shadows)
+/* Have what is known of a node: where it is kept, or, while another one is in use there,
+ * in `own`. Who has it closes it. */
+static struct opened *open_node(struct eng_straight *straight, int side, uint32_t node,
+                                struct opened *own)
 {
-    const struct eng_body_boxes *boxes = &view->boxes[node];
+    struct opened *opened = &straight->opened[side][node % OPENED];
+    if (opened->node != node) {
+        const uint32_t *children = straight->side[side].tree->children[node];
+        opened = opened->users == 0 ? opened : own;
+        opened->node = node;
+        opened->users = 0;
+        opened->known = 0;
+        opened->is_placed = false;
+        opened->children = opened->leaves = 0;
+        for (unsigned i = 0; i < 4; i++) {
+            const bool is_there = children[i] != ENG_BODY_NONE;
+            const bool is_leaf = is_there && (children[i] & ENG_BODY_LEAF) != 0;
+            opened->children |= (unsigned)is_there << i;
+            opened->leaves |= (unsigned)is_leaf << i;
+            opened->round[i] = 0;
+        }
+    }
+    opened->users++;
+    return opened;
+}
+
+static void close_node(struct opened *opened)
+{
+    opened->users--;
+}
+
+/* Return which children of a node of a side may meet an item of the other one; of these
+ * all shadows are known. */
+static unsigned may_meet(struct eng_straight *straight, int side, struct opened *opened,
+                         const struct item *other)
+{
+    const struct eng_body_boxes *boxes = &straight->side[side].boxes[opened->node];
     const f4 until = all4(straight->worker->box_bound < 1 ? straight->worker->box_bound
                                                           : 1);
-    const struct shadows *of = other->shadows;
+    const struct shadows *of = &other->opened->shadows;
+    const struct shadows *shadows = &opened->shadows;
     eng_i4 apart = {0, 0, 0, 0};
     straight->worker->record.box_tests += 4;
-    for (int k = 0; k < straight->axes; k++) {
-        set_shadow(view, boxes, k, shadows);
-        f4 d0 = all4(of->middle[0][k][other->which]) - shadows->middle[0][k];
-        f4 d1 = all4(of->middle[1][k][other->which]) - shadows->middle[1][k];
-        d1 = d0 + (d1 - d0) * until;
-        f4 reach = shadows->half[k] + all4(of->half[k][other->which] + straight->margin);
-        apart |= eng_max4(eng_min4(d0, d1), eng_min4(-d0, -d1)) > reach;
-        if (k % 3 == 2 && bits_of(apart) == 15u) {
+    for (int first = 0; first < straight->axes; first += 3) {
+        if (opened->known == first) {
+            know(straight, side, opened, boxes, first + 3);
+        }
+#pragma GCC unroll 3
+        for (int k = first; k < first + 3; k++) {
+            f4 d0 = all4(of->middle[0][k][other->which]) - shadows->middle[0][k];
+            f4 d1 = all4(of->middle[1][k][other->which]) - shadows->middle[1][k];
+            d1 = d0 + (d1 - d0) * until;
+            f4 reach =
+                shadows->half[k] + all4(of->half[k][other->which] + straight->margin);
+            apart |= eng_max4(eng_min4(d0, d1), eng_min4(-d0, -d1)) > reach;
+        }
+        if (bits_of(apart) == 15u) {
             return 0;
         }
     }
-    set_size(straight, view, shadows);
-    return ~bits_of(apart) & children_of(view, node);
+    return ~bits_of(apart) & opened->children;
 }
 
 /* Return child `which` of a node, whose shadows are known. */
-static struct item child_of(const struct view *view, uint32_t node, uint32_t which,
-                            const struct shadows *shadows)
+static struct item child_of(const struct view *view, struct opened *opened,
+                            uint32_t which)
 {
-    return (struct item){.shadows = shadows,
+    return (struct item){.opened = opened,
                          .which = which,
-                         .ref = 4 * node + which + 1,
-                         .child = view->tree->children[node][which]};
+                         .ref = 4 * opened->node + which + 1,
+                         .child = view->tree->children[opened->node][which]};
 }
 
-/* Return the item that a task names, and its shadows. */
-static struct item item_of(const struct eng_straight *straight, const struct view *view,
-                           uint32_t ref, struct shadows *shadows)
+/* Return the item that a task names; who has it closes its node. `own`: as for that. */
+static struct item item_of(struct eng_straight *straight, int side, uint32_t ref,
+                           struct opened *own)
 {
+    const struct view *view = &straight->side[side];
+    if (ref > 0) {
+        struct opened *opened = open_node(straight, side, (ref - 1) / 4, own);
+        know(straight, side, opened, &view->boxes[opened->node], straight->axes);
+        return child_of(view, opened, (ref - 1) % 4);
+    }
     struct eng_body_boxes root = {{{0}}, {{0}}};
-    const struct eng_body_boxes *boxes = ref == 0 ? &root : &view->boxes[(ref - 1) / 4];
     for (int k = 0; k < 3; k++) {
         double half = eng_most(view->box->hi[k] - view->origin[k],
                                view->origin[k] - view->box->lo[k]);
         root.half[k][0] = eng_round_up(half * (1 + 0x1p-20) + LEAST);
     }
-    for (int k = 0; k < straight->axes; k++) {
-        set_shadow(view, boxes, k, shadows);
-    }
-    set_size(straight, view, shadows);
-    return ref > 0 ? child_of(view, (ref - 1) / 4, (ref - 1) % 4, shadows)
-                   : (struct item){.shadows = shadows};
+    own->node = NODE_NONE;
+    own->users = 1;
+    own->known = 0;
+    know(straight, side, own, &root, straight->axes);
+    return (struct item){.opened = own};
 }
 
 static bool is_leaf(const struct item *item)
@@ -430,52 +491,65 @@ static void place_four(const struct view *view, const struct vectors from[3],
     }
 }
 
-/* Return where a leaf of a side is. */
-static const struct vectors (*place_leaf(struct eng_straight *straight, int side,
-                                         const struct item *item))[3]
+/* Have the leaves of a node of a side placed. */
+static void place_leaves(const struct view *view, struct opened *opened)
 {
-    if (!straight->alone[side].is_there || straight->alone[side].leaf != item->child) {
+    if (!opened->is_placed) {
         struct vectors own[3];
-        load_one(&straight->side[side].own, item->child, own);
-        place_four(&straight->side[side], own, straight->alone[side].x);
-        straight->alone[side].is_there = true;
-        straight->alone[side].leaf = item->child;
+        load_four(&view->own, view->tree->children[opened->node], own);
+        place_four(view, own, opened->x);
+        opened->normals = normals_of((const struct vectors(*)[3])opened->x,
+                                     all4(1) / opened->shadows.size);
+        opened->is_placed = true;
     }
-    return (const struct vectors(*)[3])straight->alone[side].x;
+}
+
+/* Return one of four vectors four times. */
+static struct vectors spread(const struct vectors *v, uint32_t which)
+{
+    return (struct vectors){
+        {all4(v->x[0][which]), all4(v->x[1][which]), all4(v->x[2][which])}};
+}
+
+/* Have a leaf of a side placed, in all lanes of `alone`. */
+static void place_alone(struct eng_straight *straight, int side, const struct item *leaf)
+{
+    if (!straight->alone[side].is_there || straight->alone[side].leaf != leaf->child) {
+        place_leaves(&straight->side[side], leaf->opened);
+        for (int i = 0; i < 6; i++) {
+            straight->alone[side].x[i / 3][i % 3] =
+                spread(&leaf->opened->x[i / 3][i % 3], leaf->which);
+        }
+        straight->alone[side].normal = spread(&leaf->opened->normals, leaf->which);
+        straight->alone[side].is_there = true;
+        straight->alone[side].leaf = leaf->child;
+    }
 }
 
 /* Take from the children of a node of a side that may meet a leaf of the other one the
  * leaves that are apart from it along the way between both, or across either. */
-static unsigned near_leaves(struct eng_straight *straight, int side, uint32_t node,
-                            unsigned meet, const struct shadows *shadows,
+static unsigned near_leaves(struct eng_straight *straight, int side,
+                            struct opened *opened, unsigned meet,
                             const struct item *leaf)
 {
-    const struct view *view = &straight->side[side];
-    const uint32_t *children = view->tree->children[node];
+    const unsigned leaves = opened->leaves;
     const f4 margin = all4(straight->margin);
-    struct vectors own[3];
-    struct vectors x[2][3];
-    unsigned others = 0; /* that are no leaves */
-    for (unsigned i = 0; i < 4; i++) {
-        others |= (children[i] & ENG_BODY_LEAF ? 0u : 1u) << i;
-    }
-    if ((meet & ~others) == 0) {
+    if ((meet & leaves) == 0) {
         return meet;
     }
-    const struct vectors(*placed)[3] = (const struct vectors(*)[3])x;
-    const struct vectors(*alone)[3] = place_leaf(straight, 1 - side, leaf);
-    const f4 scale = all4(1) / shadows->size;
-    load_four(&view->own, children, own);
-    place_four(view, own, x);
-    struct vectors n = ways_between(placed, alone, scale);
-    meet &= others | ~are_four_apart(placed, alone, &n, margin);
-    if ((meet & ~others) != 0) {
-        n = normals_of(placed, scale);
-        meet &= others | ~are_four_apart(placed, alone, &n, margin);
+    place_leaves(&straight->side[side], opened);
+    place_alone(straight, 1 - side, leaf);
+    const struct vectors(*placed)[3] = (const struct vectors(*)[3])opened->x;
+    const struct vectors(*alone)[3] =
+        (const struct vectors(*)[3])straight->alone[1 - side].x;
+    struct vectors n = ways_between(placed, alone, all4(1) / opened->shadows.size);
+    meet &= ~(leaves & are_four_apart(placed, alone, &n, margin));
+    if ((meet & leaves) != 0) {
+        meet &= ~(leaves & are_four_apart(placed, alone, &opened->normals, margin));
     }
-    if ((meet & ~others) != 0) {
-        n = normals_of(alone, all4(1 / leaf->shadows->size[leaf->which]));
-        meet &= others | ~are_four_apart(placed, alone, &n, margin);
+    if ((meet & leaves) != 0) {
+        n = straight->alone[1 - side].normal;
+        meet &= ~(leaves & are_four_apart(placed, alone, &n, margin));
     }
     return meet;
 }
@@ -483,8 +557,8 @@ static unsigned near_leaves(struct eng_straight *straight, int side, uint32_t no
 /* Return the side of two items, not both of them leaves, that is opened: the larger. */
 static int opened_of(const struct item *a, const struct item *b)
 {
-    return !is_leaf(a) && (is_leaf(b) || a->shadows->size[a->which] >=
-                                             b->shadows->size[b->which])
+    return !is_leaf(a) && (is_leaf(b) || a->opened->shadows.size[a->which] >=
+                                             b->opened->shadows.size[b->which])
                ? 0
                : 1;
 }
@@ -573,18 +647,20 @@ static void flush(struct eng_straight *straight)
     test(straight, PCCD_VF);
     test(straight, PCCD_EE);
     straight->point_count = 0;
-    straight->corners[0].is_there = straight->corners[1].is_there = false;
+    straight->round++;
     straight->stops |= eng_worker_should_stop(straight->worker);
 }
 
 /* Have the corners of a leaf among the points; returns where. */
-static uint32_t corners_of(struct eng_straight *straight, int side, uint32_t leaf)
+static uint32_t corners_of(struct eng_straight *straight, int side,
+                           const struct item *leaf)
 {
     const struct view *view = &straight->side[side];
-    const uint32_t *v = view->object->mesh->leaves[leaf].v;
-    if (straight->corners[side].is_there && straight->corners[side].leaf == leaf) {
-        return straight->corners[side].first;
+    struct opened *opened = leaf->opened;
+    if (opened->round[leaf->which] == straight->round) {
+        return opened->first[leaf->which];
     }
+    const uint32_t *v = view->object->mesh->leaves[leaf->child & ~ENG_BODY_LEAF].v;
     uint32_t first = straight->point_count;
     for (uint32_t i = 0; i < LEAF_POINTS; i++) {
         struct eng_point *point = &straight->points[first + i];
@@ -599,9 +675,8 @@ static uint32_t corners_of(struct eng_straight *straight, int side, uint32_t lea
         point->word1 = (uint64_t)view->object->id << 32 | v[i];
     }
     straight->point_count += LEAF_POINTS;
-    straight->corners[side].is_there = true;
-    straight->corners[side].leaf = leaf;
-    straight->corners[side].first = first;
+    opened->round[leaf->which] = straight->round;
+    opened->first[leaf->which] = first;
     return first;
 }
 
@@ -674,7 +749,7 @@ static void join_leaves(struct eng_straight *straight, const struct item *a,
         leaf[i].number = items[i]->child & ~ENG_BODY_LEAF;
         leaf[i].object = view->index;
         leaf[i].face = &view->object->mesh->leaves[leaf[i].number];
-        leaf[i].first = corners_of(straight, i, leaf[i].number);
+        leaf[i].first = corners_of(straight, i, items[i]);
     }
     bool in_order = straight->side[0].object->id < straight->side[1].object->id;
     add_vf(&straight->chunks[PCCD_VF], &leaf[0], &leaf[1]);
@@ -688,7 +763,7 @@ static void join_leaves(struct eng_straight *straight, const struct item *a,
 static void join(struct eng_straight *straight, const struct item *a,
                  const struct item *b)
 {
-    struct shadows shadows;
+    struct opened own;
     if (is_leaf(a) && is_leaf(b)) {
         join_leaves(straight, a, b);
         return;
@@ -698,18 +773,19 @@ static void join(struct eng_straight *straight, const struct item *a,
         straight->stops |= eng_worker_should_stop(straight->worker);
     }
     int side = opened_of(a, b);
-    const struct view *view = &straight->side[side];
-    uint32_t node = side == 0 ? a->child : b->child;
     const struct item *other = side == 0 ? b : a;
-    unsigned meet = may_meet(straight, view, node, other, &shadows);
+    struct opened *opened =
+        open_node(straight, side, side == 0 ? a->child : b->child, &own);
+    unsigned meet = may_meet(straight, side, opened, other);
     if (straight->bends && meet != 0 && is_leaf(other)) {
-        meet = near_leaves(straight, side, node, meet, &shadows, other);
+        meet = near_leaves(straight, side, opened, meet, other);
     }
     for (; meet != 0 && !straight->stops; meet &= meet - 1) {
         struct item child =
-            child_of(view, node, (uint32_t)__builtin_ctz(meet), &shadows);
+            child_of(&straight->side[side], opened, (uint32_t)__builtin_ctz(meet));
         join(straight, side == 0 ? &child : a, side == 0 ? b : &child);
     }
+    close_node(opened);
 }
 
 /* ---- tasks ------------------------------------------------------------------------- */
@@ -718,23 +794,25 @@ static void join(struct eng_straight *straight, const struct item *a,
 static uint32_t divide(void *owner, uint64_t task, uint64_t parts[4])
 {
     struct eng_straight *straight = owner;
-    struct shadows of[2];
-    struct item a = item_of(straight, &straight->side[0], (uint32_t)(task >> 32), &of[0]);
-    struct item b = item_of(straight, &straight->side[1], (uint32_t)task, &of[1]);
-    struct shadows shadows;
+    struct opened own[3];
+    struct item a = item_of(straight, 0, (uint32_t)(task >> 32), &own[0]);
+    struct item b = item_of(straight, 1, (uint32_t)task, &own[1]);
     uint32_t count = 0;
     if (is_leaf(&a) && is_leaf(&b)) {
-        parts[0] = task;
-        return 1;
+        parts[count++] = task;
+    } else {
+        int side = opened_of(&a, &b);
+        uint32_t node = side == 0 ? a.child : b.child;
+        struct opened *opened = open_node(straight, side, node, &own[2]);
+        unsigned meet = may_meet(straight, side, opened, side == 0 ? &b : &a);
+        for (; meet != 0; meet &= meet - 1) {
+            uint64_t ref = 4 * (uint64_t)node + (uint32_t)__builtin_ctz(meet) + 1;
+            parts[count++] = side == 0 ? ref << 32 | b.ref : (uint64_t)a.ref << 32 | ref;
+        }
+        close_node(opened);
     }
-    int side = opened_of(&a, &b);
-    uint32_t node = side == 0 ? a.child : b.child;
-    unsigned meet = may_meet(straight, &straight->side[side], node, side == 0 ? &b : &a,
-                             &shadows);
-    for (; meet != 0; meet &= meet - 1) {
-        uint64_t ref = 4 * (uint64_t)node + (uint32_t)__builtin_ctz(meet) + 1;
-        parts[count++] = side == 0 ? ref << 32 | b.ref : (uint64_t)a.ref << 32 | ref;
-    }
+    close_node(a.opened);
+    close_node(b.opened);
     return count;
 }
 
@@ -757,11 +835,13 @@ static uint32_t split(struct eng_straight *straight, struct eng_worker *worker,
 static void perform(struct eng_straight *straight, struct eng_worker *worker,
                     uint64_t task)
 {
-    struct shadows of[2];
+    struct opened own[2];
     set_worker(straight, worker);
-    struct item a = item_of(straight, &straight->side[0], (uint32_t)(task >> 32), &of[0]);
-    struct item b = item_of(straight, &straight->side[1], (uint32_t)task, &of[1]);
+    struct item a = item_of(straight, 0, (uint32_t)(task >> 32), &own[0]);
+    struct item b = item_of(straight, 1, (uint32_t)task, &own[1]);
     join(straight, &a, &b);
+    close_node(a.opened);
+    close_node(b.opened);
     if (straight->bends) {
         flush(straight);
     }
