@@ -143,6 +143,7 @@ CASE(sieve_thick__what_it_rejects_stays_farther)
         put(&random, is_fine ? 0 : 28, &pair);
         double r = at_rest ? length_of(&distances, &pair) : least_of(&thick, &pair);
         assert_true(stays(eng_kernels(), &pair, r, 1, round % 4 < 2));
+        assert_false(is_beyond(&pair, r));
         if (!stays(eng_kernels(), &pair, r / 2, 1, round % 4 < 2)) {
             assert_true(is_beyond(&pair, r / 2));
             rejected[!is_fine]++;

@@ -160,7 +160,7 @@ ENG_INLINE uint32_t beyond_half_way(enum pccd_kind kind, const struct pairs *pai
 }
 
 /* EE: along b, and along a, as differences of differences. */
-ENG_INLINE uint32_t beyond_by_planes(const struct pairs *pairs, eng_d size, eng_d reach)
+ENG_INLINE struct sides sides_of(const struct pairs *pairs)
 {
     struct sides sides;
 #pragma GCC unroll 2
@@ -170,10 +170,105 @@ ENG_INLINE uint32_t beyond_by_planes(const struct pairs *pairs, eng_d size, eng_
         sides.u[end] = eng_v_sub(d[1], d[0]);
         sides.v[end] = eng_v_sub(d[2], d[0]);
     }
+    return sides;
+}
+
+ENG_INLINE uint32_t beyond_by_planes(const struct pairs *pairs, eng_d size, eng_d reach)
+{
+    const struct sides sides = sides_of(pairs);
     eng_d square = size * size;
     return planes_are_beyond(&sides, reach, 640 * ENG_U * square * size,
                              384 * ENG_U * square) &
            eng_dm_bits(eng_is_in_range(size));
+}
+
+/* Return the part of the step up to which a cubic in Bernstein form is certainly
+ * positive: it is not below the line from the first of its coefficients to that of the
+ * others to which it falls fastest; once more with what is left of it. */
+ENG_INLINE eng_d positive_until(const eng_d f[4])
+{
+    const eng_d zero = {0};
+    const eng_d one = eng_d_all(1);
+    eng_d h[4] = {f[0], f[1], f[2], f[3]};
+    eng_d part[2];
+#pragma GCC unroll 2
+    for (int cut = 0; cut < 2; cut++) {
+        eng_d fall = eng_d_max(eng_d_max(3 * (h[0] - h[1]), 1.5 * (h[0] - h[2])),
+                               h[0] - h[3]);
+        part[cut] = eng_d_select(eng_d_less(h[0], fall), h[0] / fall, one);
+        part[cut] = eng_d_select(eng_d_less(zero, h[0]), part[cut], zero);
+#pragma GCC unroll 3
+        for (int level = 3; level > 0 && cut == 0; level--) {
+#pragma GCC unroll 3
+            for (int i = 0; i < level; i++) {
+                h[i] += part[0] * (h[i + 1] - h[i]);
+            }
+        }
+    }
+    return (part[0] + (1 - part[0]) * part[1]) * (1 - 16 * ENG_U);
+}
+
+/* Return the lanes in which planes across both features keep them more than the reach
+ * apart, but for a part of the step in which the direction between them half way does. */
+ENG_INLINE uint32_t beyond_between(enum pccd_kind kind, const struct pairs *pairs,
+                                   eng_d size, eng_d reach)
+{
+    const struct sides sides = sides_of(pairs);
+    const eng_d square = size * size;
+    const eng_d error = 4096 * ENG_U * square * size;
+    const eng_d zero = {0};
+    struct eng_v n[3];
+    eng_d f[4];
+    eng_d most[3];
+    heights_of(&sides, n, f);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; i++) {
+        most[i] = reach * (eng_d_sqrt(eng_v_dot(n[i], n[i])) + 384 * ENG_U * square);
+    }
+    f[1] = f[1] * (1 / 3.0);
+    f[2] = f[2] * (1 / 3.0);
+    const eng_d least[4] = {most[0] + error, (most[0] + most[1]) * (1 / 3.0) + error,
+                            (most[1] + most[2]) * (1 / 3.0) + error, most[2] + error};
+    eng_d from[2]; /* of the parts in which planes keep them apart, from either end */
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        const eng_dm above = eng_d_less(zero, f[3 * end]);
+        eng_d h[4];
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; i++) {
+            const int k = end == 0 ? i : 3 - i;
+            h[i] = eng_d_select(above, f[k], -f[k]) - least[k];
+        }
+        from[end] = positive_until(h);
+    }
+    const eng_d to = 1 - from[1];
+    const eng_d t = 0.5 * (from[0] + to);
+    struct eng_v m[DIFFERENCES];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        m[k] = eng_v_mix(1 - t, pairs->d[0][k], t, pairs->d[1][k]);
+    }
+    const struct eng_pose_lanes pose = {
+        m[0], kind == PCCD_VF ? eng_v_sub(m[0], m[1]) : eng_v_sub(m[0], m[2]),
+        kind == PCCD_VF ? eng_v_sub(m[0], m[2]) : eng_v_sub(m[0], m[1])};
+    const struct eng_v g = eng_nearest_gap_of(kind, &pose).gap;
+    const struct eng_v sizes = eng_v_abs(g);
+    const eng_d gg = eng_v_dot(g, g);
+    const eng_d apart =
+        eng_d_sqrt(gg) * reach + 32 * ENG_U * (sizes.x + sizes.y + sizes.z) * size;
+    eng_d low = zero + __builtin_inf();
+    eng_d high = -low;
+#pragma GCC unroll 4
+    for (int k = 0; k < differences_of(kind); k++) {
+        const eng_d s0 = eng_v_dot(g, pairs->d[0][k]);
+        const eng_d way = eng_v_dot(g, pairs->d[1][k]) - s0;
+        const eng_d s[2] = {s0 + from[0] * way, s0 + to * way};
+        low = eng_d_min(low, eng_d_min(s[0], s[1]));
+        high = eng_d_max(high, eng_d_max(s[0], s[1]));
+    }
+    return are_on_one_side(1, &low, &high, &apart) &
+           eng_dm_bits(eng_dm_and(eng_is_in_range(size),
+                                  eng_d_at_most(eng_d_all(ENG_SQUARE_MIN), gg)));
 }
 
 ENG_INLINE uint32_t thick_rejected(enum pccd_kind kind, const struct pairs *pairs,
@@ -197,26 +292,40 @@ ENG_INLINE uint32_t thick_rejected(enum pccd_kind kind, const struct pairs *pair
     return gone;
 }
 
-ENG_INLINE uint32_t reject_thick(enum pccd_kind kind, const struct eng_point *points,
-                                 const uint32_t (*quads)[4], uint32_t count,
-                                 const double *reach, uint32_t *kept)
+/* `pairs`: what the quick tests have left, if this is the last one. */
+ENG_INLINE uint32_t reject_thick_by(enum pccd_kind kind, bool is_last,
+                                    const struct eng_point *points,
+                                    const uint32_t (*quads)[4], const uint32_t *pairs,
+                                    uint32_t count, const double *reach, uint32_t *kept)
 {
     uint32_t kept_count = 0;
     for (uint32_t i = 0; i < count; i += ENG_D_LANES) {
         uint32_t n = count - i < ENG_D_LANES ? count - i : ENG_D_LANES;
-        uint32_t pairs[ENG_D_LANES];
+        uint32_t these[ENG_D_LANES];
         double own[ENG_D_LANES];
 #pragma GCC unroll 8
         for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
-            pairs[lane] = i + (lane < n ? lane : 0);
-            own[lane] = reach[pairs[lane]];
+            const uint32_t at = i + (lane < n ? lane : 0);
+            these[lane] = is_last ? pairs[at] : at;
+            own[lane] = reach[these[lane]];
         }
-        struct eng_group group = eng_group_of(points, quads, pairs, n);
+        struct eng_group group = eng_group_of(points, quads, these, n);
         struct pairs loaded = load(kind, &group);
-        uint32_t gone = thick_rejected(kind, &loaded, eng_d_load(own) * ENG_SLACK);
-        kept_count += eng_compress(kept + kept_count, pairs, n, ENG_D_ALL & ~gone);
+        const eng_d most = eng_d_load(own) * ENG_SLACK;
+        uint32_t gone =
+            is_last ? beyond_between(kind, &loaded, size_of_all(kind, loaded.d), most)
+                    : thick_rejected(kind, &loaded, most);
+        kept_count += eng_compress(kept + kept_count, these, n, ENG_D_ALL & ~gone);
     }
     return kept_count;
+}
+
+ENG_INLINE uint32_t reject_thick(enum pccd_kind kind, const struct eng_point *points,
+                                 const uint32_t (*quads)[4], uint32_t count,
+                                 const double *reach, uint32_t *kept)
+{
+    count = reject_thick_by(kind, false, points, quads, NULL, count, reach, kept);
+    return reject_thick_by(kind, true, points, quads, kept, count, reach, kept);
 }
 
 uint32_t ENG_KERNEL(reject_thick)(struct eng_quads chunk, uint32_t count,
