@@ -14,7 +14,7 @@ files() { # FOLDERS... -- FIND-TESTS...
     while [ "$1" != -- ]; do folders+=("$1"); shift; done
     shift
     find "${folders[@]}" -type f \( "$@" \) ! -path '*/corpus/*' ! -path '*/results/*' \
-        ! -path '*/node_modules/*' ! -name package-lock.json | LC_ALL=C sort
+        ! -path '*/node_modules/*' ! -name package-lock.json ! -name '*.dist.*' | LC_ALL=C sort
 }
 code=(-name '*.[ch]' -o -name '*.hpp' -o -name '*.cc' -o -name '*.py' -o -name '*.js' -o -name '*.mjs'
     -o -name '*.css' -o -name '*.html' -o -name '*.sh' -o -name '*.mk' -o -name '*.def' -o -name '*.am'
