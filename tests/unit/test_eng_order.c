@@ -71,7 +71,7 @@ static void sort_groups(struct eng_split_item *items, struct eng_wide_range rang
 }
 
 /* If it failed, features that are near each other would not be in one group: on a grid,
- * where most coordinates are equal, or beside one that is far away. */
+ * where most coordinates are equal, beside one that is far away, or in the least mesh. */
 CASE(words__make_the_groups_that_medians_make)
 {
     static uint64_t words[2 * ENG_WIDE_WORDS_MAX];
@@ -79,8 +79,8 @@ CASE(words__make_the_groups_that_medians_make)
     static uint32_t ids[ENG_WIDE_WORDS_MAX + 300];
     const uint32_t counts[] = {1, 16, 17, 255, 256, 257, 1000, 2048, ENG_WIDE_WORDS_MAX};
     struct prng random = {11};
-    for (uint32_t round = 0; round < 5 * sizeof counts / sizeof *counts; round++) {
-        uint32_t count = counts[round / 5], kind = round % 5;
+    for (uint32_t round = 0; round < 6 * sizeof counts / sizeof *counts; round++) {
+        uint32_t count = counts[round / 6], kind = round % 6;
         struct eng_wide_range range = {0, 0, count + (kind == 2 ? 300 : 0)};
         for (uint32_t i = 0; i < range.count; i++) {
             struct eng_split_item *item = &items[0][i];
@@ -89,7 +89,7 @@ CASE(words__make_the_groups_that_medians_make)
                 double x = prng_between(&random, -4, 4);
                 item->centroid[k] = kind == 3 ? 1 : kind == 1 ? (float)(int)x : (float)x;
                 item->centroid[k] *= k == 2 && i % 2 == 0 ? -0.0f : 1;
-                item->centroid[k] *= kind == 4 && i == 0 ? 1e9f : 1;
+                item->centroid[k] *= kind == 4 && i == 0 ? 1e9f : kind == 5 ? 1e-36f : 1;
             }
         }
         if (kind == 2) { /* a part behind another, from a slot that is no multiple */

@@ -70,6 +70,9 @@ static void write_ids(const struct eng_split_item *items, struct eng_wide_range 
 static_assert(ENG_WIDE_WORDS_MAX <= INDEX_MASK + 1, "indices");
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "lanes of words");
 
+/* An extent that a float can divide STEPS by; items that extend less are in one bin. */
+#define EXTENT_MIN (2 * STEPS / FLT_MAX)
+
 /* Ranges that extend over fewer steps are measured anew. */
 #define STEPS_MIN 512u
 
@@ -140,7 +143,7 @@ static void measure(const struct eng_split_item *items, uint64_t *words, uint32_
     const struct bounds bounds = bounds_of(items, words, count);
     const int axis = axis_of(&bounds);
     const float longest = bounds.high[axis] - bounds.low[axis];
-    const float scale = longest > FLT_MIN ? STEPS / longest : 0;
+    const float scale = longest > EXTENT_MIN ? STEPS / longest : 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t index = (uint32_t)words[i] & INDEX_MASK;
         uint64_t word = index;
