@@ -77,9 +77,9 @@ static bool has_thickness(const struct ranks_object *object)
     return object->settings.radius > 0 || object->mesh->radius_max > 0;
 }
 
-static bool is_thick(const struct pccd_mpi *world, uint32_t handle, uint32_t *at)
+static bool is_thick(const struct pccd_mpi *world, uint32_t handle)
 {
-    return has_thickness(ranks_find_object_from(world, handle, at));
+    return has_thickness(ranks_find_object(world, handle));
 }
 
 static bool is_any_thick(const struct pccd_mpi *world)
@@ -95,12 +95,11 @@ static bool is_any_thick(const struct pccd_mpi *world)
 static uint64_t count_thin(const struct pccd_mpi *world, enum pccd_mode mode)
 {
     const struct pccd_contact *contacts = world->records;
-    uint32_t at_a = 0, at_b = 0;
     uint64_t thin = 0;
     for (uint64_t i = 0; mode <= PCCD_MODE_FIRST && i < world->record_count; i++) {
         if ((contacts[i].flags & (PCCD_INITIAL | PCCD_INSIDE)) != 0) {
-            thin += !is_thick(world, contacts[i].object_a, &at_a) &&
-                    !is_thick(world, contacts[i].object_b, &at_b);
+            thin += !is_thick(world, contacts[i].object_a) &&
+                    !is_thick(world, contacts[i].object_b);
         }
     }
     return thin;

@@ -70,10 +70,8 @@ static int compare(struct pccd_mpi *world, uint64_t mine, double *most, double *
 static void count_pairs(void *weigher, const struct pccd_pair *pairs, uint32_t count)
 {
     const struct pccd_mpi *world = weigher;
-    uint32_t at = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const struct ranks_object *object =
-            ranks_find_object_from(world, pairs[i].object_a, &at);
+        const struct ranks_object *object = ranks_find_object(world, pairs[i].object_a);
         bool is_vertex = common_kinds[pairs[i].kind].points[0] == 1;
         uint32_t *pairs_of = is_vertex ? object->vertex_pairs : object->edge_pairs;
 #pragma omp atomic

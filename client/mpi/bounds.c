@@ -92,28 +92,14 @@ static int bring_back(struct pccd_mpi *world, const double *const *local, double
 
 /* ---- the answer ------------------------------------------------------------------- */
 
-/* Objects by increasing handle: order[object_count]. */
-static void order_objects(const struct pccd_mpi *world, uint32_t *order)
-{
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        uint32_t at = o;
-        for (;
-             at > 0 && world->objects[order[at - 1]]->handle > world->objects[o]->handle;
-             at--) {
-            order[at] = order[at - 1];
-        }
-        order[at] = o;
-    }
-}
-
 /* Find where the bounds of each object begin in libpccd's answer, which has one for an
  * object that has nothing here; PCCD_E_INTERNAL: they are not those. */
-static int find_local(struct pccd_mpi *world, const uint32_t *order, const double **local)
+static int find_local(struct pccd_mpi *world, const double **local)
 {
     uint64_t at = 0;
-    for (uint32_t i = 0; i < world->object_count; i++) {
-        const struct ranks_local *of = &world->objects[order[i]]->local;
-        local[order[i]] = (const double *)world->records + at;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        const struct ranks_local *of = &world->objects[o]->local;
+        local[o] = (const double *)world->records + at;
         at += of->leaf_count > 0 ? of->vertex_count : 1;
     }
     return at == world->record_count
@@ -191,14 +177,12 @@ static int sum_up(struct pccd_mpi *world, struct ranks_sums *sums, double *most)
                : status;
 }
 
-/* given[o] are memory for bounds of given vertices, local[o] and order[o] scratch. */
+/* given[o] are memory for bounds of given vertices, local[o] scratch. */
 static int make(struct pccd_mpi *world, const struct pccd_near_settings *near,
-                double **given, const double **local, uint32_t *order,
-                struct pccd_answer *answer)
+                double **given, const double **local, struct pccd_answer *answer)
 {
     struct ranks_sums sums = {.total = 0};
-    order_objects(world, order);
-    int status = find_local(world, order, local);
+    int status = find_local(world, local);
     status = status == PCCD_OK ? reserve(world, given) : status;
     status = ranks_agree_on(&world->link, status);
     for (uint32_t i = 0; i < world->mesh_count && status == PCCD_OK; i++) {
@@ -215,10 +199,10 @@ static int make(struct pccd_mpi *world, const struct pccd_near_settings *near,
     if (world->link.size > 1) { /* one rank alone does not know who has no pair */
         answer->distance_max = greatest(world, given);
     }
-    for (uint32_t i = 0; i < world->object_count && status == PCCD_OK; i++) {
-        const struct ranks_object *object = world->objects[order[i]];
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        const struct ranks_object *object = world->objects[o];
         if (near->object_a == 0 || near->object_a == object->handle) {
-            status = keep(world, object, given[order[i]], near->distance, &sums);
+            status = keep(world, object, given[o], near->distance, &sums);
         }
     }
     status = ranks_agree_on(&world->link, status);
@@ -236,18 +220,15 @@ int ranks_bounds_make(struct pccd_mpi *world, const struct pccd_near_settings *n
     size_t objects = (size_t)world->object_count + 1;
     double **given = calloc(objects, sizeof *given);
     const double **local = calloc(objects, sizeof *local);
-    uint32_t *order = calloc(objects, sizeof *order);
-    int status =
-        ranks_agree_memory(world, given != NULL && local != NULL && order != NULL);
+    int status = ranks_agree_memory(world, given != NULL && local != NULL);
     if (status == PCCD_OK) {
-        status = make(world, near, given, local, order, answer);
+        status = make(world, near, given, local, answer);
     }
     for (uint32_t o = 0; o < world->object_count && given != NULL; o++) {
         free(given[o]);
     }
     free((void *)given);
     free((void *)local);
-    free(order);
     world->record_count = 0;
     return status;
 }

@@ -105,7 +105,8 @@ static int check_closed(const struct ranks_pairing *pairing)
     struct pccd_mpi *world = pairing->world;
     const struct ranks_object *wrong = NULL;
     int status = PCCD_OK;
-    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK && wrong == NULL;
+         o++) {
         const struct ranks_object *object = world->objects[o];
         if (!ranks_is_asked_with_any(pairing, o)) {
             continue;
@@ -113,10 +114,7 @@ static int check_closed(const struct ranks_pairing *pairing)
         if (object->mesh->closed == RANKS_MESH_NOT_KNOWN) {
             status = find_out(world, object);
         }
-        if (object->mesh->closed == RANKS_OPEN_MESH &&
-            (wrong == NULL || object->handle < wrong->handle)) {
-            wrong = object;
-        }
+        wrong = object->mesh->closed == RANKS_OPEN_MESH ? object : NULL;
     }
     if (status != PCCD_OK || wrong == NULL) {
         return status;

@@ -67,7 +67,7 @@ static bool has_start(const struct pccd_motion *motion)
 static uint32_t copy_part(const struct pccd_mpi *world, const struct pccd_motion *motions,
                           uint32_t motion_count, uint64_t begin, uint64_t end)
 {
-    uint32_t bad = motion_count, place = 0;
+    uint32_t bad = motion_count;
     uint64_t at = 0, first, last;
     for (uint32_t i = 0; i < motion_count && at < end; at += motions[i++].count) {
         const struct pccd_motion *motion = &motions[i];
@@ -75,7 +75,7 @@ static uint32_t copy_part(const struct pccd_mpi *world, const struct pccd_motion
             continue;
         }
         const struct ranks_object *object =
-            ranks_find_object_from(world, motion->object, &place);
+            ranks_find_object(world, motion->object);
         bool is_good = copy_end(motion, object, false, first, last);
         if (has_start(motion)) {
             is_good &= copy_end(motion, object, true, first, last);

@@ -43,13 +43,11 @@ int ranks_check_triangles(struct pccd_mpi *world, const struct pccd_near_setting
 {
     const struct ranks_pairing pairing = {.world = world, .near = near};
     const struct ranks_object *wrong = NULL;
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        const struct ranks_object *object = world->objects[o];
-        const struct pccd_mesh_info *info = &object->mesh->info;
+    for (uint32_t o = 0; o < world->object_count && wrong == NULL; o++) {
+        const struct pccd_mesh_info *info = &world->objects[o]->mesh->info;
         if (info->free_edge_count + info->free_point_count > 0 &&
-            (wrong == NULL || object->handle < wrong->handle) &&
             ranks_is_asked_with_any(&pairing, o)) {
-            wrong = object;
+            wrong = world->objects[o];
         }
     }
     return wrong == NULL

@@ -47,9 +47,6 @@ void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
 void ranks_side_scene_vertex(const struct pccd_mpi *world,
                              const struct ranks_side_scene *side, uint32_t handle,
                              uint32_t vertex, double x[3]);
-/* Return the place of an object in world->objects, by its handle. */
-uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
-
 /* Refuse meshes that have more than triangles, down which searches go: of several the one
  * of the object with the lowest handle is named. PCCD_E_INVAL. */
 int ranks_check_triangles(struct pccd_mpi *world, const struct pccd_near_settings *near);
@@ -72,11 +69,6 @@ struct ranks_pairing {
 /* Return whether the question is about these two objects, by their places. */
 bool ranks_is_asked(const struct ranks_pairing *pairing, uint32_t a, uint32_t b);
 bool ranks_is_asked_with_any(const struct ranks_pairing *pairing, uint32_t a);
-/* Return whether `a` is before `b` in the order of handles. */
-static inline bool ranks_is_lower(const struct pccd_mpi *world, uint32_t a, uint32_t b)
-{
-    return world->objects[a]->handle < world->objects[b]->handle;
-}
 /* Set *near to the question as it is asked of a part of the scene, with the time that is
  * left. */
 void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settings *near);

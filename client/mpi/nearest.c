@@ -17,8 +17,8 @@
 /* Of a square: more than what rounding takes or adds. */
 #define SLACK (1 + 0x1p-40)
 
-/* Greatest distance that two objects may have: key is the place of the one with the lower
- * handle << 32 | the other's. */
+/* Greatest distance that two objects may have: key is the lower place << 32 | the
+ * other. */
 struct bound {
     uint64_t key;
     double distance;
@@ -129,7 +129,7 @@ static int find_bounds(struct search *search, struct bound **bounds, uint64_t *c
         }
         compare_blocks(search, a, most, most + objects);
         for (uint32_t b = 0; b < objects; b++) {
-            if (ranks_is_lower(world, a, b) && most[b] < INFINITY &&
+            if (a < b && most[b] < INFINITY &&
                 is_within(most[objects + b], search->reach) &&
                 ranks_is_asked(search->pairing, a, b)) {
                 /* The surfaces of other features may be nearer than those of the blocks,
@@ -217,7 +217,7 @@ static void look_up(const struct search *search, uint32_t object, double *row)
 {
     const struct pccd_mpi *world = search->pairing->world;
     for (uint32_t o = 0; o < world->object_count; o++) {
-        row[o] = ranks_is_lower(world, object, o) ? bound_of(search, object, o) : -1;
+        row[o] = object < o ? bound_of(search, object, o) : -1;
     }
 }
 

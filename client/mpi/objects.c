@@ -4,19 +4,8 @@
 #include <string.h>
 
 #include "parts.h"
+#include "proto_limits.h"
 #include "rounding.h"
-
-#define RINGS_MAX 8u
-
-/* The settings that objects begin with. */
-static struct pccd_object_settings settings_at_first(void)
-{
-    return (struct pccd_object_settings){.struct_bytes =
-                                             sizeof(struct pccd_object_settings),
-                                         .self_collision = true,
-                                         .group = 1,
-                                         .mask = UINT64_MAX};
-}
 
 static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
                        struct ranks_object **object)
@@ -35,7 +24,7 @@ static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
     memcpy(made->x, mesh->x, bytes - sizeof *mesh->x);
     made->begun = (const double(*)[3])made->x;
     made->mesh = mesh;
-    made->settings = settings_at_first();
+    made->settings = (struct common_attributes)COMMON_ATTRIBUTES_AT_FIRST;
     int status = ranks_local_put_nothing(world, &made->local_mesh);
     if (status == PCCD_OK) {
         status =
@@ -78,7 +67,11 @@ int pccd_mpi_add(struct pccd_mpi *world, uint32_t mesh, uint32_t *object)
         }
     }
     if (status == PCCD_OK) {
-        world->objects[world->object_count++] = made;
+        uint32_t at = world->object_count++;
+        for (; at > 0 && world->objects[at - 1]->handle > made->handle; at--) {
+            world->objects[at] = world->objects[at - 1];
+        }
+        world->objects[at] = made;
         found->objects++;
         world->is_cut = world->is_covered = false;
         *object = made->handle;
@@ -100,10 +93,7 @@ static void forget_pairs(struct pccd_mpi *world, uint32_t object)
 static void forget_object(struct pccd_mpi *world, struct ranks_object *object)
 {
     struct ranks_mesh *mesh = object->mesh;
-    uint32_t i = 0;
-    while (world->objects[i] != object) {
-        i++;
-    }
+    uint32_t i = ranks_place_of_object(world, object->handle);
     memmove(world->objects + i, world->objects + i + 1,
             (--world->object_count - i) * sizeof(struct ranks_object *));
     forget_pairs(world, object->handle);
@@ -169,20 +159,13 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
         memcpy(&asked, settings,
                bytes == 0 || bytes > sizeof asked ? sizeof asked : bytes);
     }
-    struct pccd_object_settings now = settings_at_first();
+    struct common_attributes now = COMMON_ATTRIBUTES_AT_FIRST, given;
+    uint64_t words[COMMON_WORDS];
+    COMMON_ATTRIBUTES_COPY(&given, &asked);
     if (found != NULL) {
         now = found->settings;
     }
-    now.self_collision =
-        asked.what & PCCD_OBJECT_SELF ? asked.self_collision : now.self_collision;
-    now.group = asked.what & PCCD_OBJECT_GROUP ? asked.group : now.group;
-    now.mask = asked.what & PCCD_OBJECT_MASK ? asked.mask : now.mask;
-    now.radius = asked.what & PCCD_OBJECT_RADIUS ? asked.radius : now.radius;
-    now.rest_distance =
-        asked.what & PCCD_OBJECT_REST_DISTANCE ? asked.rest_distance : now.rest_distance;
-    now.rest_rings =
-        asked.what & PCCD_OBJECT_REST_RINGS ? asked.rest_rings : now.rest_rings;
-    now.user_data = asked.what & PCCD_OBJECT_USER_DATA ? asked.user_data : now.user_data;
+    common_attributes_set(&now, asked.what, &given);
     int status = found != NULL ? check_length(world, now.radius)
                                : ranks_fail(&world->link, PCCD_E_HANDLE,
                                             "there is no object %" PRIu32, object);
@@ -193,21 +176,16 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
         status =
             ranks_fail(&world->link, PCCD_E_INVAL, "what is 0, it names nothing to set");
     }
-    if (status == PCCD_OK && now.rest_rings > RINGS_MAX) {
+    if (status == PCCD_OK && now.rest_rings > PROTO_REST_RINGS_MAX) {
         status = ranks_fail(&world->link, PCCD_E_LIMIT, "rest_rings are at most %u",
-                            RINGS_MAX);
+                            PROTO_REST_RINGS_MAX);
     }
     uint64_t hash = ranks_hash(object, &asked.what, sizeof asked.what);
-    hash = ranks_hash(hash, &now.self_collision, sizeof now.self_collision);
-    hash = ranks_hash(hash, &now.group, sizeof now.group);
-    hash = ranks_hash(hash, &now.mask, sizeof now.mask);
-    hash = ranks_hash(hash, &now.radius, sizeof now.radius);
-    hash = ranks_hash(hash, &now.rest_distance, sizeof now.rest_distance);
-    hash = ranks_hash(hash, &now.rest_rings, sizeof now.rest_rings);
-    hash = ranks_hash(hash, &now.user_data, sizeof now.user_data);
-    status = ranks_agree(&world->link, RANKS_OBJECT_SET, hash, status);
+    common_attributes_pack(&now, words);
+    status = ranks_agree(&world->link, RANKS_OBJECT_SET,
+                         ranks_hash(hash, words, sizeof words), status);
     if (status == PCCD_OK) {
-        struct pccd_object_settings before = found->settings;
+        struct common_attributes before = found->settings;
         found->settings = now;
         status = ranks_agree_on(&world->link, ranks_local_show(world, found));
         if (status != PCCD_OK) {

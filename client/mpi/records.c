@@ -83,7 +83,6 @@ static bool has_bit(const uint64_t *bits, uint32_t i)
  * as records of one page have few objects, one after the other. */
 struct reader {
     const struct ranks_object *a, *b;
-    uint32_t at_a, at_b; /* places in world->objects */
     uint32_t kind;
     const uint32_t *numbers_a, *numbers_b; /* of the whole, by local number */
 };
@@ -102,8 +101,8 @@ static inline void look_up(const struct pccd_mpi *world, struct reader *reader,
         return;
     }
     const uint32_t *points = common_kinds[kind].points;
-    reader->a = ranks_find_object_from(world, object_a, &reader->at_a);
-    reader->b = ranks_find_object_from(world, object_b, &reader->at_b);
+    reader->a = ranks_find_object(world, object_a);
+    reader->b = ranks_find_object(world, object_b);
     reader->kind = kind;
     reader->numbers_a = numbers_of(&reader->a->local, points[0]);
     reader->numbers_b = numbers_of(&reader->b->local, points[1]);

@@ -120,10 +120,8 @@ static int add_object(struct pccd_mpi *world, uint32_t scene, const double *radi
 {
     struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
                                             .what = PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK |
-                                                    PCCD_OBJECT_RADIUS,
-                                            .group = object->settings.group,
-                                            .mask = object->settings.mask,
-                                            .radius = object->settings.radius};
+                                                    PCCD_OBJECT_RADIUS};
+    COMMON_ATTRIBUTES_COPY(&settings, &object->settings);
     int status = ranks_local_register(world, object, x, radii, true);
     if (status != PCCD_OK) {
         return status;
@@ -137,52 +135,36 @@ static int add_object(struct pccd_mpi *world, uint32_t scene, const double *radi
                : ranks_fail_local(world, status, "no object of a scene beside");
 }
 
-/* Objects are added by increasing handles in the world, so that theirs are in the same
- * order. */
+/* Handles are in the order of those in the world. */
 static int add_objects(struct pccd_mpi *world, uint32_t scene, double *const *radii,
                        struct ranks_side_scene *side)
 {
-    uint32_t objects = world->object_count;
-    struct ranks_key *keys = ranks_array(2 * (uint64_t)objects, sizeof *keys);
-    int status = keys == NULL ? ranks_no_memory(world) : PCCD_OK;
-    if (status == PCCD_OK) {
-        for (uint32_t o = 0; o < objects; o++) {
-            keys[o] = (struct ranks_key){world->objects[o]->handle, o};
-        }
-        const struct ranks_key *order = ranks_sort(keys, keys + objects, objects);
-        for (uint32_t i = 0; i < objects && status == PCCD_OK; i++) {
-            uint32_t o = (uint32_t)order[i].value;
-            if (side->objects[o].own_count > 0) {
-                status = add_object(world, scene, radii[o],
-                                    (const double(*)[3])side->x[o], &side->objects[o]);
-            }
+    int status = PCCD_OK;
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        if (side->objects[o].own_count > 0) {
+            status = add_object(world, scene, radii[o], (const double(*)[3])side->x[o],
+                                &side->objects[o]);
         }
     }
-    free(keys);
     return status;
 }
 
-/* The object here of a handle in the world; NULL: it has no leaf here. */
-static struct ranks_object *find_here(struct pccd_mpi *world,
-                                      struct ranks_side_scene *side, uint32_t handle)
+/* The handle here of an object in the world; 0: it has no leaf here. */
+static uint32_t handle_here(const struct pccd_mpi *world,
+                            const struct ranks_side_scene *side, uint32_t handle)
 {
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        if (world->objects[o]->handle == handle) {
-            return side->objects[o].handle != 0 ? &side->objects[o] : NULL;
-        }
-    }
-    return NULL;
+    return side->objects[ranks_place_of_object(world, handle)].handle;
 }
 
 static int ignore_pairs(struct pccd_mpi *world, uint32_t scene,
-                        struct ranks_side_scene *side)
+                        const struct ranks_side_scene *side)
 {
     int status = PCCD_OK;
     for (uint32_t i = 0; i < world->ignored_count && status == PCCD_OK; i++) {
-        const struct ranks_object *a = find_here(world, side, world->ignored[i].a);
-        const struct ranks_object *b = find_here(world, side, world->ignored[i].b);
-        if (a != NULL && b != NULL) {
-            status = pccd_pair_ignore(world->client, scene, a->handle, b->handle, true);
+        uint32_t a = handle_here(world, side, world->ignored[i].a);
+        uint32_t b = handle_here(world, side, world->ignored[i].b);
+        if (a != 0 && b != 0) {
+            status = pccd_pair_ignore(world->client, scene, a, b, true);
         }
     }
     return status == PCCD_OK
@@ -259,16 +241,15 @@ static int take_pages(struct pccd_mpi *world, uint32_t scene, struct pccd_answer
 }
 
 /* With handles of that scene. False: an object that is named has no leaf here. */
-static bool name_here(struct pccd_mpi *world, struct ranks_side_scene *side,
+static bool name_here(const struct pccd_mpi *world, const struct ranks_side_scene *side,
                       struct pccd_near_settings *near)
 {
     uint32_t *const named[2] = {&near->object_a, &near->object_b};
     bool is_here = true;
     for (int i = 0; i < 2; i++) {
-        const struct ranks_object *object =
-            *named[i] != 0 ? find_here(world, side, *named[i]) : NULL;
-        is_here = is_here && (*named[i] == 0 || object != NULL);
-        *named[i] = object != NULL ? object->handle : 0;
+        uint32_t here = *named[i] != 0 ? handle_here(world, side, *named[i]) : 0;
+        is_here = is_here && (*named[i] == 0 || here != 0);
+        *named[i] = here;
     }
     return is_here;
 }
@@ -405,15 +386,6 @@ void ranks_side_scene_find(const struct ranks_side_scene *side, uint32_t object,
             ranks_place_of(of->local.vertices, of->local.vertex_count, remote->leaf.v[k]);
         memcpy(remote->x[k], side->x[object][v], sizeof remote->x[k]);
     }
-}
-
-uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle)
-{
-    uint32_t o = 0;
-    while (world->objects[o]->handle != handle) {
-        o++;
-    }
-    return o;
 }
 
 void ranks_side_scene_vertex(const struct pccd_mpi *world,

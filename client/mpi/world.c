@@ -59,24 +59,26 @@ struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle
     return NULL;
 }
 
-/* Whoever asks about many goes through them in their order as a rule. */
-struct ranks_object *ranks_find_object_from(const struct pccd_mpi *world, uint32_t handle,
-                                            uint32_t *at)
+uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle)
 {
-    uint32_t count = world->object_count;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t place = (uint32_t)(((uint64_t)*at + i) % count);
-        if (world->objects[place]->handle == handle) {
-            *at = place;
-            return world->objects[place];
+    uint32_t from = 0, end = world->object_count;
+    while (from < end) {
+        uint32_t middle = from + (end - from) / 2;
+        if (world->objects[middle]->handle < handle) {
+            from = middle + 1;
+        } else {
+            end = middle;
         }
     }
-    return NULL;
+    return from < world->object_count && world->objects[from]->handle == handle
+               ? from
+               : world->object_count;
 }
 
-struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle)
+struct ranks_object *ranks_find_object(const struct pccd_mpi *world, uint32_t handle)
 {
-    return ranks_find_object_from(world, handle, &world->last_found);
+    uint32_t at = ranks_place_of_object(world, handle);
+    return at < world->object_count ? world->objects[at] : NULL;
 }
 
 bool ranks_are_ignored(const struct pccd_mpi *world, uint32_t a, uint32_t b)
@@ -96,8 +98,7 @@ bool ranks_may_meet(const struct pccd_mpi *world, uint32_t a, uint32_t b)
     if (a == b) {
         return one->settings.self_collision;
     }
-    return (one->settings.group & other->settings.mask) != 0 &&
-           (other->settings.group & one->settings.mask) != 0 &&
+    return common_attributes_may_meet(&one->settings, &other->settings) &&
            !ranks_are_ignored(world, one->handle, other->handle);
 }
 

@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "moving_boxes.h"
+#include "object_attributes.h"
 #include "pccd_mpi.h"
 #include "rank_link.h"
 #include "rank_stop.h"
@@ -88,7 +89,7 @@ struct ranks_object {
     uint32_t handle;
     struct ranks_mesh *mesh;
     uint32_t local_mesh; /* handle in libpccd */
-    struct pccd_object_settings settings;
+    struct common_attributes settings;
     /* Given vertices: at the end of the last step; memory for the ends of the next one,
      * `start` only if it was needed; the ends of the step that is being made. */
     double (*x)[3];
@@ -164,9 +165,8 @@ struct pccd_mpi {
     uint32_t team;    /* of the call that is being made: as many as libpccd's (team.h) */
     struct ranks_mesh **meshes;
     uint32_t mesh_count, mesh_number; /* the latter: made so far */
-    struct ranks_object **objects;
+    struct ranks_object **objects; /* by increasing handles */
     uint32_t object_count;
-    uint32_t last_found; /* where to look first for an object */
     struct ranks_pair *ignored;
     uint32_t ignored_count;
     struct ranks_plan plan;
@@ -209,11 +209,9 @@ struct pccd_mpi {
 
 /* Return what has a handle; NULL: there is none. */
 struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
-struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle);
-/* Return the object that has a handle, in any thread: look first at *at, a place in
- * world->objects, and write where it is. */
-struct ranks_object *ranks_find_object_from(const struct pccd_mpi *world, uint32_t handle,
-                                            uint32_t *at);
+struct ranks_object *ranks_find_object(const struct pccd_mpi *world, uint32_t handle);
+/* Return the place of an object in world->objects; object_count: there is none. */
+uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
 
 /* Make room for one more in an array of pointers; NULL: no memory, and it stays as it
  * was. */

@@ -390,8 +390,7 @@ bool registry_may_meet(const struct registry_scene *scene,
         return a->attributes.self_collision;
     }
     pair = registry_pairs_find(&scene->pairs, a->handle, b->handle);
-    return (a->attributes.group & b->attributes.mask) != 0 &&
-           (b->attributes.group & a->attributes.mask) != 0 &&
+    return common_attributes_may_meet(&a->attributes, &b->attributes) &&
            (pair == NULL || !pair->ignored);
 }
 

@@ -96,6 +96,13 @@ static inline void common_attributes_set(struct common_attributes *to, uint32_t 
 #undef COMMON_SET
 }
 
+/* Return whether two different objects may meet, by their groups and masks. */
+static inline bool common_attributes_may_meet(const struct common_attributes *a,
+                                              const struct common_attributes *b)
+{
+    return (a->group & b->mask) != 0 && (b->group & a->mask) != 0;
+}
+
 /* Return a number as a word of a recording: a double as its bits. The four that follow
  * turn it back. */
 static inline uint64_t common_word_of_u32(uint32_t number)
