@@ -10,42 +10,6 @@
 #include "parts.h"
 #include "rank_sort.h"
 
-/* ---- who has which number --------------------------------------------------------- */
-
-struct numbered {
-    uint32_t index, number; /* of a vertex: in the rank's list, and in the whole */
-};
-
-/* Each directory tells each rank the numbers of what it was given: mesh->numbers. */
-static int find_numbers(struct pccd_mpi *world, struct ranks_mesh *mesh)
-{
-    struct ranks_link *link = &world->link;
-    uint32_t base = (uint32_t)link->rank * mesh->span;
-    uint32_t end = mesh->vertex_total;
-    uint32_t count = base < end ? (end - base < mesh->span ? end - base : mesh->span) : 0;
-    uint64_t in_count = 0;
-    struct numbered *in = NULL;
-    struct ranks_post post;
-    uint32_t *numbers = ranks_array(mesh->vertex_count, sizeof *numbers);
-    ranks_post_begin(&post, sizeof *in, count);
-    post.is_lost = post.is_lost || numbers == NULL;
-    for (uint32_t i = 0; i < count; i++) {
-        ranks_post_add(&post, (uint32_t)mesh->owners[i].rank,
-                       &(struct numbered){mesh->owners[i].index, base + i});
-    }
-    int status = ranks_post_deal(link, &post, (void **)&in, &in_count);
-    for (uint64_t i = 0; i < in_count; i++) {
-        numbers[in[i].index] = in[i].number;
-    }
-    free(in);
-    if (status != PCCD_OK) {
-        free(numbers);
-        return status;
-    }
-    mesh->numbers = numbers;
-    return PCCD_OK;
-}
-
 /* ---- back to where they were given ------------------------------------------------ */
 
 /* Count how many bounds are in the cells of each rank: first[size + 1]. */
@@ -185,11 +149,6 @@ static int make(struct pccd_mpi *world, const struct pccd_near_settings *near,
     int status = find_local(world, local);
     status = status == PCCD_OK ? reserve(world, given) : status;
     status = ranks_agree_on(&world->link, status);
-    for (uint32_t i = 0; i < world->mesh_count && status == PCCD_OK; i++) {
-        struct ranks_mesh *mesh = world->meshes[i];
-        status = mesh->numbers == NULL && mesh->objects > 0 ? find_numbers(world, mesh)
-                                                            : PCCD_OK;
-    }
     if (status == PCCD_OK) {
         status = bring_back(world, local, given);
     }

@@ -5,7 +5,6 @@
 #include "answer.h"
 
 #define CHUNK_RECORDS 4096u
-#define TAG_ASK       18
 #define TAG_RECORDS   19
 
 /* Records of one rank, as they come in at the root. */
@@ -75,81 +74,53 @@ static int await(struct ranks_link *link, MPI_Request *request)
     return status;
 }
 
-static int send_to(struct ranks_link *link, const void *bytes, size_t count, int rank,
-                   int tag, MPI_Request *request)
-{
-    return ranks_mpi(
-        link, MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request),
-        "gathering records");
-}
-
-static int receive_from(struct ranks_link *link, void *bytes, size_t count, int rank,
-                        int tag, MPI_Request *request)
-{
-    return ranks_mpi(
-        link, MPI_Irecv(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request),
-        "gathering records");
-}
-
 /* ---- the others ------------------------------------------------------------------- */
 
+/* Chunks go as the root receives them. */
 static int serve(struct pccd_mpi *world, int root)
 {
-    struct ranks_link *link = &world->link;
     size_t record_bytes = bytes_of(world);
-    uint64_t sent = 0;
-    MPI_Request request;
     int status = PCCD_OK;
-    while (sent < count_of(world) && status == PCCD_OK) {
-        char goes_on = 0;
-        status = receive_from(link, &goes_on, 1, root, TAG_ASK, &request);
-        status = status == PCCD_OK ? await(link, &request) : status;
-        if (status != PCCD_OK || !goes_on) {
-            break;
-        }
+    for (uint64_t sent = 0; sent < count_of(world) && status == PCCD_OK;
+         sent += CHUNK_RECORDS) {
+        MPI_Request request;
         uint64_t count = count_of(world) - sent;
         count = count < CHUNK_RECORDS ? count : CHUNK_RECORDS;
-        status = send_to(link, records_of(world) + sent * record_bytes,
-                         count * record_bytes, root, TAG_RECORDS, &request);
-        status = status == PCCD_OK ? await(link, &request) : status;
-        sent += count;
+        status = ranks_mpi(&world->link,
+                           MPI_Isend(records_of(world) + sent * record_bytes,
+                                     (int)(count * record_bytes), MPI_BYTE, root,
+                                     TAG_RECORDS, world->link.comm, &request),
+                           "gathering records");
+        status = status == PCCD_OK ? await(&world->link, &request) : status;
     }
     return status;
 }
 
 /* ---- the root --------------------------------------------------------------------- */
 
-/* The next records of rank r; with goes_on false it need not send any more. */
-static int ask(struct merge *merge, int r, bool goes_on)
+/* Get the next records of rank r, if it has any left. */
+static int receive(struct merge *merge, int r)
 {
     struct ranks_link *link = &merge->world->link;
     struct stream *stream = &merge->streams[r];
     uint64_t count = stream->left < CHUNK_RECORDS ? stream->left : CHUNK_RECORDS;
-    char word = goes_on;
-    stream->at = stream->count = 0;
-    if (count == 0) {
-        return PCCD_OK;
-    }
-    if (r == link->rank) {
+    int status = PCCD_OK;
+    if (r == link->rank && count > 0) {
         uint64_t at = count_of(merge->world) - stream->left;
         memcpy(stream->records, records_of(merge->world) + at * merge->record_bytes,
                count * merge->record_bytes);
-    } else {
+    } else if (count > 0) {
         MPI_Request request;
-        int status = send_to(link, &word, 1, r, TAG_ASK, &request);
+        status = ranks_mpi(link,
+                           MPI_Irecv(stream->records, (int)(count * merge->record_bytes),
+                                     MPI_BYTE, r, TAG_RECORDS, link->comm, &request),
+                           "gathering records");
         status = status == PCCD_OK ? ranks_wait(link, &request, 1) : status;
-        if (status == PCCD_OK && goes_on) {
-            status = receive_from(link, stream->records, count * merge->record_bytes, r,
-                                  TAG_RECORDS, &request);
-            status = status == PCCD_OK ? ranks_wait(link, &request, 1) : status;
-        }
-        if (status != PCCD_OK) {
-            return status;
-        }
     }
-    stream->count = count;
-    stream->left = goes_on ? stream->left - count : 0;
-    return PCCD_OK;
+    stream->at = 0;
+    stream->count = status == PCCD_OK ? count : 0;
+    stream->left -= stream->count;
+    return status;
 }
 
 static void flush(struct merge *merge)
@@ -190,7 +161,7 @@ static int merge_all(struct merge *merge)
 {
     int size = merge->world->link.size, status = PCCD_OK;
     for (int r = 0; r < size && status == PCCD_OK; r++) {
-        status = ask(merge, r, true);
+        status = receive(merge, r);
     }
     for (int r = lowest(merge); r >= 0 && status == PCCD_OK && merge->verdict == 0;
          r = lowest(merge)) {
@@ -200,12 +171,14 @@ static int merge_all(struct merge *merge)
             flush(merge);
         }
         if (stream->at == stream->count) {
-            status = ask(merge, r, true);
+            status = receive(merge, r);
         }
     }
     flush(merge);
-    for (int r = 0; r < size && status == PCCD_OK && merge->verdict != 0; r++) {
-        status = ask(merge, r, false);
+    for (int r = 0; r < size; r++) { /* what the caller took no more */
+        while (status == PCCD_OK && merge->streams[r].left > 0) {
+            status = receive(merge, r);
+        }
     }
     return status;
 }

@@ -120,6 +120,7 @@ struct claim {
     uint32_t count;          /* of these */
     uint32_t total, span;
     struct ranks_vertex_owner *owners; /* [span] of the directory, which are written */
+    uint32_t *known;                   /* [count] the numbers, written; or NULL */
 };
 
 /* A number, and where it lies in whose part. */
@@ -179,6 +180,9 @@ static int make_claim(struct pccd_mpi *world, const struct claim *claim)
     ranks_post_begin(&post, sizeof *in, claim->count);
     for (uint32_t i = 0; i < claim->count; i++) {
         uint32_t number = numbers ? numbers[i] : (uint32_t)(before + i);
+        if (claim->known != NULL) {
+            claim->known[i] = number;
+        }
         ranks_post_add(&post, number / claim->span,
                        &(struct named){number, {link->rank, i}});
     }
@@ -206,7 +210,8 @@ static int copy_positions(struct pccd_mpi *world, const struct pccd_mpi_part *pa
     mesh->x = ranks_array(count, sizeof *mesh->x);
     mesh->radii = mesh->has_radii ? ranks_array(count, sizeof *mesh->radii) : NULL;
     mesh->owners = ranks_array(mesh->span, sizeof *mesh->owners);
-    if (mesh->x == NULL || mesh->owners == NULL ||
+    mesh->numbers = ranks_array(count, sizeof *mesh->numbers);
+    if (mesh->x == NULL || mesh->owners == NULL || mesh->numbers == NULL ||
         (mesh->has_radii && mesh->radii == NULL)) {
         return ranks_no_memory(world);
     }
@@ -357,7 +362,8 @@ static int make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                                     .count = part->vertex_count,
                                     .total = mesh->vertex_total,
                                     .span = mesh->span,
-                                    .owners = mesh->owners};
+                                    .owners = mesh->owners,
+                                    .known = mesh->numbers};
         status = make_claim(world, &claim);
     }
     if (status == PCCD_OK) {

@@ -39,6 +39,11 @@ int ranks_missing(struct ranks_link *link, const char *what)
     return ranks_fail(link, PCCD_E_INVAL, "rank %d: %s is NULL", link->rank, what);
 }
 
+int ranks_link_no_memory(struct ranks_link *link)
+{
+    return ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank);
+}
+
 int ranks_mpi(struct ranks_link *link, int code, const char *what)
 {
     if (code == MPI_SUCCESS) {
@@ -105,7 +110,7 @@ static void *shared_array(struct ranks_link *link, uint64_t count, size_t item_b
     void *array = ranks_array(count, item_bytes);
     if (array == NULL) { /* the others wait for what never comes */
         link->broken = PCCD_E_NOMEM;
-        (void)ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank);
+        (void)ranks_link_no_memory(link);
     }
     return array;
 }
@@ -378,6 +383,18 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
     return status;
 }
 
+/* Collective: memory for what comes, counts[r] items of rank r. */
+static int make_room(struct ranks_link *link, size_t item_bytes, const uint64_t *counts,
+                     void **in, uint64_t *first_in)
+{
+    first_in[0] = 0;
+    for (int r = 0; r < link->size; r++) {
+        first_in[r + 1] = first_in[r] + counts[r];
+    }
+    *in = ranks_array(first_in[link->size], item_bytes);
+    return ranks_agree_on(link, *in != NULL ? PCCD_OK : ranks_link_no_memory(link));
+}
+
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void **in, uint64_t *first_in)
 {
@@ -398,16 +415,8 @@ int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
     if (status != PCCD_OK) {
         return status; /* MPI may still write there */
     }
-    first_in[0] = 0;
-    for (int r = 0; r < size; r++) {
-        first_in[r + 1] = first_in[r] + counts[size + r];
-    }
+    status = make_room(link, item_bytes, counts + size, in, first_in);
     free(counts);
-    *in = ranks_array(first_in[size], item_bytes);
-    status = ranks_agree_on(
-        link, *in != NULL
-                  ? PCCD_OK
-                  : ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank));
     if (status == PCCD_OK) {
         status = ranks_swap(link, item_bytes, out, first_out, *in, first_in);
     }
@@ -415,6 +424,33 @@ int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
         free(*in);
         *in = NULL;
     }
+    return status;
+}
+
+int ranks_ask(struct ranks_link *link, const struct ranks_question *question,
+              const void *items, const uint64_t *first, void *answers)
+{
+    uint64_t *first_in = shared_array(link, (uint64_t)link->size + 1, sizeof *first_in);
+    void *asked = NULL, *made = NULL;
+    if (first_in == NULL) {
+        return link->broken;
+    }
+    int status = ranks_deal(link, question->item_bytes, items, first, &asked, first_in);
+    if (status == PCCD_OK) {
+        made = ranks_array(first_in[link->size], question->answer_bytes);
+        status =
+            ranks_agree_on(link, made != NULL ? PCCD_OK : ranks_link_no_memory(link));
+    }
+    if (status == PCCD_OK) {
+        status = ranks_agree_on(
+            link, question->answer(question->context, asked, first_in[link->size], made));
+    }
+    if (status == PCCD_OK) {
+        status = ranks_swap(link, question->answer_bytes, made, first_in, answers, first);
+    }
+    free(first_in);
+    free(asked);
+    free(made);
     return status;
 }
 
@@ -497,10 +533,8 @@ int ranks_post_deal(struct ranks_link *link, struct ranks_post *post, void **in,
 {
     *in = NULL;
     *in_count = 0;
-    int status = ranks_agree_on(
-        link, post->is_lost
-                  ? ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank)
-                  : PCCD_OK);
+    int status =
+        ranks_agree_on(link, post->is_lost ? ranks_link_no_memory(link) : PCCD_OK);
     if (status == PCCD_OK) {
         status = deal_post(link, post, in, in_count);
     }
@@ -524,16 +558,8 @@ int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
     if (status != PCCD_OK) {
         return status;
     }
-    first[0] = 0;
-    for (int r = 0; r < size; r++) {
-        first[r + 1] = first[r] + counts[r];
-    }
+    status = make_room(link, item_bytes, counts, all, first);
     free(counts);
-    *all = ranks_array(first[size], item_bytes);
-    status = ranks_agree_on(
-        link, *all != NULL
-                  ? PCCD_OK
-                  : ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank));
     for (int r = 0; r < size && status == PCCD_OK; r++) {
         char *at = (char *)*all + first[r] * item_bytes;
         uint64_t bytes = (first[r + 1] - first[r]) * item_bytes;

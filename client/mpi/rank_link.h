@@ -37,6 +37,9 @@ int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
  * be given is NULL. */
 int ranks_missing(struct ranks_link *link, const char *what);
 
+/* Set the error to "out of memory". Returns PCCD_E_NOMEM. */
+int ranks_link_no_memory(struct ranks_link *link);
+
 /* Calls, each done in the whole by all ranks; their names are for the message of one that
  * is out of order. */
 enum ranks_call {
@@ -83,6 +86,18 @@ int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
  * first_in[size + 1] written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void **in, uint64_t *first_in);
+/* What other ranks are asked about each of some items. */
+struct ranks_question {
+    size_t item_bytes, answer_bytes;
+    /* Answer all items that came to this rank. Every rank calls it once, so that it may be
+     * collective. */
+    int (*answer)(void *context, const void *items, uint64_t count, void *answers);
+    void *context;
+};
+/* Ask as ranks_deal sends. Answers come in the order of the items. */
+int ranks_ask(struct ranks_link *link, const struct ranks_question *question,
+              const void *items, const uint64_t *first, void *answers);
+
 /* Items that are to go to other ranks, each to one. */
 struct ranks_post {
     size_t item_bytes;

@@ -18,7 +18,7 @@ int ranks_stop_init(struct ranks_stop *stop, struct ranks_link *link)
     atomic_init(&stop->is_cancelled, false);
     stop->requests = ranks_array(2 * (uint64_t)link->size, sizeof(MPI_Request));
     return stop->requests == NULL
-               ? ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank)
+               ? ranks_link_no_memory(link)
                : PCCD_OK;
 }
 

@@ -87,18 +87,17 @@ static uint64_t number_all(const struct said *in, uint64_t count, struct heard *
 struct question {
     struct ranks_key *memory, *keys; /* what the leaves say here */
     uint64_t count;                  /* of these */
-    struct said *said, *in;
-    struct heard *heard, *answers;
-    uint64_t *first; /* [2 * (size + 1)]: said, in */
+    struct said *said;
+    struct heard *answers;
+    uint64_t *first; /* [size + 1] of what is said to each rank */
     uint64_t total;  /* different ones, on all ranks */
+    struct pccd_mpi *world;
 };
 
 static void question_deinit(struct question *question)
 {
     free(question->memory);
     free(question->said);
-    free(question->in);
-    free(question->heard);
     free(question->answers);
     free(question->first);
 }
@@ -129,13 +128,17 @@ static uint64_t say_each(const struct ranks_mesh *mesh, int size,
     return each;
 }
 
-/* Edges are numbered on behind those of the directories before. */
-static int number_on(struct pccd_mpi *world, struct question *question, uint64_t each)
+/* Number what came to this directory; edges are numbered on behind those of the
+ * directories before. */
+static int answer(void *context, const void *items, uint64_t count, void *answers)
 {
+    struct question *question = context;
+    struct pccd_mpi *world = question->world;
     struct ranks_link *link = &world->link;
+    struct heard *heard = answers;
+    uint64_t each = number_all(items, count, heard);
     uint64_t *counts = ranks_array((uint64_t)link->size, sizeof *counts);
-    int status = ranks_agree_on(
-        link, counts == NULL || each == UINT64_MAX ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_memory(world, counts != NULL && each != UINT64_MAX);
     if (status == PCCD_OK) {
         status = ranks_tell_all(link, each, counts);
     }
@@ -147,9 +150,8 @@ static int number_on(struct pccd_mpi *world, struct question *question, uint64_t
     if (status == PCCD_OK && question->total > INT32_MAX) {
         status = ranks_fail(link, PCCD_E_LIMIT, "a mesh has at most %d edges", INT32_MAX);
     }
-    uint64_t count = question->first[2 * link->size + 1];
     for (uint64_t i = 0; status == PCCD_OK && i < count; i++) {
-        question->heard[i].number += (uint32_t)before;
+        heard[i].number += (uint32_t)before;
     }
     free(counts);
     return status;
@@ -159,35 +161,24 @@ static int ask(struct pccd_mpi *world, const struct ranks_mesh *mesh,
                const struct ranks_leaf *leaves, uint32_t leaf_count, say_fn say,
                struct question *question)
 {
-    struct ranks_link *link = &world->link;
+    const struct ranks_question asked = {sizeof(struct said), sizeof(struct heard),
+                                         answer, question};
     uint64_t most = 3 * (uint64_t)leaf_count;
+    question->world = world;
     question->memory = ranks_array(2 * most, sizeof *question->memory);
-    question->first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof(uint64_t));
+    question->first = ranks_array((uint64_t)world->link.size + 1, sizeof(uint64_t));
     question->said = ranks_array(most, sizeof *question->said);
-    int status =
-        ranks_agree_memory(world, question->memory != NULL && question->first != NULL &&
-                                      question->said != NULL);
-    if (status != PCCD_OK) {
-        return status;
+    bool has_memory =
+        question->memory != NULL && question->first != NULL && question->said != NULL;
+    if (has_memory) {
+        question->keys =
+            gather(leaves, leaf_count, say, question->memory, &question->count);
+        uint64_t each = say_each(mesh, world->link.size, leaves, question);
+        question->answers = ranks_array(each, sizeof *question->answers);
     }
-    uint64_t *first = question->first, *first_in = first + link->size + 1;
-    question->keys = gather(leaves, leaf_count, say, question->memory, &question->count);
-    uint64_t each = say_each(mesh, link->size, leaves, question);
-    status = ranks_deal(link, sizeof(struct said), question->said, first,
-                        (void **)&question->in, first_in);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    uint64_t in_count = first_in[link->size];
-    question->heard = ranks_array(in_count, sizeof *question->heard);
-    question->answers = ranks_array(each, sizeof *question->answers);
-    uint64_t numbered = UINT64_MAX;
-    if (question->heard != NULL && question->answers != NULL) {
-        numbered = number_all(question->in, in_count, question->heard);
-    }
-    status = number_on(world, question, numbered);
-    return status == PCCD_OK ? ranks_swap(link, sizeof(struct heard), question->heard,
-                                          first_in, question->answers, first)
+    int status = ranks_agree_memory(world, has_memory && question->answers != NULL);
+    return status == PCCD_OK ? ranks_ask(&world->link, &asked, question->said,
+                                         question->first, question->answers)
                              : status;
 }
 

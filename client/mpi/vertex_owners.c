@@ -7,80 +7,68 @@
 #include "rank_sort.h"
 #include "team.h"
 
+/* The directory of this rank. */
+struct directory {
+    const struct ranks_mesh *mesh;
+    uint32_t base; /* the first vertex in it */
+};
+
+static int answer_places(void *context, const void *items, uint64_t count, void *answers)
+{
+    const struct directory *directory = context;
+    const uint32_t *vertices = items;
+    struct ranks_vertex_owner *found = answers;
+    for (uint64_t i = 0; i < count; i++) {
+        found[i] = directory->mesh->owners[vertices[i] - directory->base];
+    }
+    return PCCD_OK;
+}
+
 /* Collective: where each of vertices[count], ascending, was given, to owners[count]. */
 static int find_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
                        const uint32_t *vertices, uint32_t count,
                        struct ranks_vertex_owner *owners)
 {
     struct ranks_link *link = &world->link;
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    uint32_t *asked = NULL;
-    struct ranks_vertex_owner *found = NULL;
+    struct directory directory = {mesh, (uint32_t)link->rank * mesh->span};
+    const struct ranks_question question = {sizeof *vertices, sizeof *owners,
+                                            answer_places, &directory};
+    uint64_t *first = calloc((size_t)link->size + 1, sizeof *first);
     int status = ranks_agree_memory(world, first != NULL);
     if (status == PCCD_OK) {
-        uint64_t *first_in = first + link->size + 1;
-        memset(first, 0, ((size_t)link->size + 1) * sizeof *first);
         for (uint32_t i = 0; i < count; i++) {
             first[ranks_directory(mesh, vertices[i]) + 1]++;
         }
         for (int r = 0; r < link->size; r++) {
             first[r + 1] += first[r];
         }
-        status = ranks_deal(link, sizeof *vertices, vertices, first, (void **)&asked,
-                            first_in);
-        if (status == PCCD_OK) {
-            uint64_t asked_count = first_in[link->size];
-            uint32_t base = (uint32_t)link->rank * mesh->span;
-            found = ranks_array(asked_count, sizeof *found);
-            status = found == NULL ? ranks_no_memory(world) : PCCD_OK;
-            for (uint64_t i = 0; status == PCCD_OK && i < asked_count; i++) {
-                found[i] = mesh->owners[asked[i] - base];
-            }
-            status = ranks_agree_on(link, status);
-        }
-        if (status == PCCD_OK) {
-            status = ranks_swap(link, sizeof *found, found, first_in, owners, first);
-        }
+        status = ranks_ask(link, &question, vertices, first, owners);
     }
     free(first);
-    free(asked);
-    free(found);
     return status;
 }
 
 /* ---- once ------------------------------------------------------------------------- */
 
-/* Given vertices that this rank wants, and those that it is asked for, both by rank. */
-struct wanted {
-    uint64_t *first, *first_asked; /* [size + 1] */
-    uint32_t *asked;               /* given vertices */
-    uint32_t *place;               /* of what comes, in the order of the caller */
+/* What a rank tells of vertices that it was given. */
+struct registered {
+    const struct ranks_mesh *mesh;
+    uint32_t width; /* numbers of each: a position, and 4 with its radius */
 };
 
-/* Fetch `width` numbers of each vertex from those who were given it. */
-static int fetch(struct pccd_mpi *world, const struct wanted *wanted, const double *given,
-                 uint32_t width, double *to)
+static int answer_registered(void *context, const void *items, uint64_t count,
+                             void *answers)
 {
-    struct ranks_link *link = &world->link;
-    const uint64_t out_count = wanted->first_asked[link->size];
-    const uint64_t in_count = wanted->first[link->size];
-    double *out = ranks_array(out_count * width, sizeof *out);
-    double *in = ranks_array(in_count * width, sizeof *in);
-    int status = ranks_agree_memory(world, out != NULL && in != NULL);
-    if (status == PCCD_OK) {
-        for (uint64_t i = 0; i < out_count; i++) {
-            memcpy(out + i * width, given + (size_t)wanted->asked[i] * width,
-                   width * sizeof *out);
+    const struct registered *of = context;
+    const uint32_t *given = items;
+    for (uint64_t i = 0; i < count; i++) {
+        double *to = (double *)answers + i * of->width;
+        memcpy(to, of->mesh->x[given[i]], sizeof *of->mesh->x);
+        if (of->width == 4) {
+            to[3] = of->mesh->radii[given[i]];
         }
-        status = ranks_swap(link, width * sizeof *out, out, wanted->first_asked, in,
-                            wanted->first);
     }
-    for (uint64_t i = 0; status == PCCD_OK && i < in_count; i++) {
-        memcpy(to + (size_t)wanted->place[i] * width, in + i * width, width * sizeof *in);
-    }
-    free(out);
-    free(in);
-    return status;
+    return PCCD_OK;
 }
 
 /* In order of the rank that has them: first[size + 1], index[count], place[count]. */
@@ -109,43 +97,43 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
 {
     struct ranks_link *link = &world->link;
     bool with_radii = radii != NULL && mesh->has_radii;
+    struct registered of = {mesh, with_radii ? 4 : 3};
+    const struct ranks_question question = {sizeof(uint32_t), of.width * sizeof(double),
+                                            answer_registered, &of};
     struct ranks_vertex_owner *owners = ranks_array(count, sizeof *owners);
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    uint64_t *first = ranks_array((uint64_t)link->size + 1, sizeof *first);
     uint32_t *index = ranks_array(2 * (uint64_t)count, sizeof *index);
-    struct wanted wanted = {.first = first};
-    double *values = ranks_array(3 * (uint64_t)count, sizeof *values);
+    double *told = ranks_array(count, question.answer_bytes);
+    double(*values)[3] = ranks_array(count, sizeof *values);
     double *some_radii = with_radii ? ranks_array(count, sizeof *some_radii) : NULL;
-    int status = owners == NULL || first == NULL || index == NULL || values == NULL ||
-                         (with_radii && some_radii == NULL)
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
-    status = ranks_agree_on(link, status);
+    int status = ranks_agree_memory(
+        world, owners != NULL && first != NULL && index != NULL && told != NULL &&
+                   values != NULL && (!with_radii || some_radii != NULL));
     if (status == PCCD_OK) {
         status = find_places(world, mesh, vertices, count, owners);
     }
     if (status == PCCD_OK) {
-        wanted.first_asked = first + link->size + 1;
-        wanted.place = index + count;
-        order_by_rank(owners, count, link->size, first, index, wanted.place);
-        status = ranks_deal(link, sizeof *index, index, first, (void **)&wanted.asked,
-                            wanted.first_asked);
-        if (status == PCCD_OK) {
-            status = fetch(world, &wanted, (const double *)mesh->x, 3, values);
-        }
-        if (status == PCCD_OK && with_radii) {
-            status = fetch(world, &wanted, mesh->radii, 1, some_radii);
+        order_by_rank(owners, count, link->size, first, index, index + count);
+        status = ranks_ask(link, &question, index, first, told);
+    }
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        const double *from = told + (size_t)i * of.width;
+        const uint32_t place = index[(size_t)count + i];
+        memcpy(values[place], from, sizeof *values);
+        if (with_radii) {
+            some_radii[place] = from[3];
         }
     }
     free(owners);
     free(first);
     free(index);
-    free(wanted.asked);
+    free(told);
     if (status != PCCD_OK) {
         free(values);
         free(some_radii);
         return status;
     }
-    *x = (double(*)[3])(void *)values;
+    *x = values;
     if (radii != NULL) {
         *radii = some_radii;
     }

@@ -21,8 +21,7 @@ static _Thread_local char open_text[RANKS_TEXT_BYTES];
 
 int ranks_no_memory(struct pccd_mpi *world)
 {
-    return ranks_fail(&world->link, PCCD_E_NOMEM, "rank %d: out of memory",
-                      world->link.rank);
+    return ranks_link_no_memory(&world->link);
 }
 
 int ranks_agree_memory(struct pccd_mpi *world, bool has_memory)

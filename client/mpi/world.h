@@ -61,7 +61,7 @@ struct ranks_mesh {
     /* the directory of vertices span * rank to span * (rank + 1) - 1 */
     uint32_t span;
     struct ranks_vertex_owner *owners;
-    uint32_t *numbers;        /* of given vertices; NULL until somebody asks (bounds.c) */
+    uint32_t *numbers;        /* of given vertices */
     enum ranks_closed closed; /* depth.c */
     uint32_t open[4]; /* the first edge that shows that it is not: its ends, and how often
                          faces run from the first to the second and back */
