@@ -45,7 +45,6 @@ struct prediction {
     double wait;     /* mean over the threads: time in the region without work */
     double critical; /* the longest chain of tasks that make each other */
     double largest;  /* task */
-    double hand_overs;
 };
 
 struct run {
@@ -139,9 +138,7 @@ static void predict(const struct run *run, const struct scheme *scheme,
     out->total = end + run->ways[0].measured.serial;
     out->low_work = busy - out->refit_work - out->high_work - out->merge_work;
     out->wait = end - busy / threads.count;
-    out->critical = model_tasks_chain(tasks, roots, root_count);
-    out->largest = model_tasks_largest(tasks);
-    out->hand_overs = (double)threads.hand_overs;
+    out->critical = model_tasks_chain(tasks, roots, root_count, &out->largest);
     bench_check(out->low_work <= model_tasks_sum(tasks) * (1 + 1e-6) &&
                     (is_paper || out->low_work >= model_tasks_sum(tasks) * (1 - 1e-6)),
                 run->name, "every task is performed once");
@@ -166,12 +163,9 @@ static void print(const struct run *run, const struct scheme *scheme, uint32_t t
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         fprintf(run->model, ",%.4f", columns[i] * 1e-6);
     }
-    fprintf(run->model, ",%.0f\n", o->hand_overs);
-    printf("%-16s %-6s %3u %9.3f ms %6.2fx  refit %.3f low %.3f high %.3f merge %.3f "
-           "serial %.3f wait %.3f critical %.3f largest %.3f\n",
-           run->name, scheme->scheduler, threads, o->total * 1e-6, speedup,
-           o->refit * 1e-6, o->low * 1e-6, o->high * 1e-6, o->merge * 1e-6,
-           o->serial * 1e-6, o->wait * 1e-6, o->critical * 1e-6, o->largest * 1e-6);
+    fputc('\n', run->model);
+    printf("%-16s %-6s %3u %9.3f ms %6.2fx\n", run->name, scheme->scheduler, threads,
+           o->total * 1e-6, speedup);
 }
 
 /* Beside what was measured here with as many threads. */
@@ -187,11 +181,9 @@ static void validate(const struct run *run, const struct scheme *scheme, uint32_
             fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f\n", run->name,
                     scheme->scheduler, threads, m->step * 1e-6, output->total * 1e-6,
                     error, 1 / m->ratio, speedup);
-            printf("%-16s %-6s %3u measured %.3f ms, %+.1f %%; speed-up %.2f, predicted "
-                   "%.2f (refit %.3f detection %.3f merge %.3f)\n",
+            printf("%-16s %-6s %3u measured %.3f ms, %+.1f %%; speed-up %.2f\n",
                    run->name, scheme->scheduler, threads, m->step * 1e-6, 100 * error,
-                   1 / m->ratio, speedup, m->refit * 1e-6, m->detection * 1e-6,
-                   m->merge * 1e-6);
+                   1 / m->ratio);
         }
     }
 }
@@ -367,7 +359,7 @@ int main(int argc, char **argv)
     fprintf(run.model,
             "scene,scheduler,high_level,p,speedup,ms,refit_ms,low_ms,high_ms,merge_ms,"
             "serial_ms,wait_ms,refit_work_ms,low_work_ms,high_work_ms,merge_work_ms,"
-            "critical_ms,largest_ms,hand_overs\n");
+            "critical_ms,largest_ms\n");
     fprintf(run.validation, "scene,scheduler,p,measured_ms,predicted_ms,error,"
                             "measured_speedup,predicted_speedup\n");
     model_all(&run);

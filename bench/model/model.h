@@ -79,13 +79,12 @@ struct model_tasks {
 uint32_t model_tasks_add(struct model_tasks *tasks, uint32_t count);
 void model_tasks_free(struct model_tasks *tasks);
 
-/* Return the sum of all times, the greatest one, and the longest chain of tasks that make
- * each other from a root on (see model_schedule): no number of threads can be faster.
- * Children stand behind parents. */
 double model_tasks_sum(const struct model_tasks *tasks);
-double model_tasks_largest(const struct model_tasks *tasks);
+/* Return the time of the longest chain of tasks that make each other from a root on (see
+ * model_schedule): no number of threads can be faster. Children stand behind parents.
+ * *largest: of one task. */
 double model_tasks_chain(const struct model_tasks *tasks, const uint32_t *roots,
-                         uint32_t count);
+                         uint32_t count, double *largest);
 /* Multiply all times. */
 void model_tasks_scale(struct model_tasks *tasks, double factor);
 
@@ -94,7 +93,6 @@ struct model_threads {
     uint32_t count;
     double now[MODEL_THREADS_MAX];  /* when the thread is free */
     double busy[MODEL_THREADS_MAX]; /* of it, in tasks */
-    uint64_t hand_overs;            /* tasks done by another thread than their maker */
 };
 
 double model_latest(const struct model_threads *threads);
@@ -122,7 +120,7 @@ void model_schedule(struct model_threads *threads, const struct model_tasks *tas
 struct model_record {
     struct eng_scene *scene;
     enum pccd_method method;
-    uint32_t passes; /* times are medians over so many */
+    uint32_t passes; /* times are the least of so many */
     double clock_ns;
     bool is_consistent; /* all passes met the same tasks */
     /* Tasks of stealing; the first `root_count` are there at the begin, named `roots`. */

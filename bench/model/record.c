@@ -1,6 +1,7 @@
 /* record.c - every task of a step, timed. */
 #include "model.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,35 +31,18 @@ static double since(uint64_t begin_ns, double clock_ns)
     return ns > 0 ? ns : 0;
 }
 
-static int compare(const void *a, const void *b)
+/* Keep the least times of a pass and of those before it, as other work on the machine
+ * only adds to them. Return whether it has their tasks; if not, times mean nothing. */
+static bool keep_least(struct model_tasks *least, struct model_tasks *pass)
 {
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* The medians over all passes become those of the first one. False: they do not have the
- * same tasks, so their times mean nothing. */
-static bool take_medians(struct model_tasks *passes, uint32_t count)
-{
-    double *times = bench_alloc(count, sizeof *times);
-    bool same = true;
-    for (uint32_t k = 1; k < count; k++) {
-        same = same && passes[k].count == passes[0].count;
+    bool same = least->count == 0 || least->count == pass->count;
+    for (uint32_t i = 0; i < least->count && same; i++) {
+        same = pass->items[i].child_count == least->items[i].child_count;
+        pass->items[i].ns = fmin(pass->items[i].ns, least->items[i].ns);
     }
-    for (uint32_t i = 0; i < passes[0].count && same; i++) {
-        for (uint32_t k = 0; k < count; k++) {
-            times[k] = passes[k].items[i].ns;
-            same =
-                same && passes[k].items[i].child_count == passes[0].items[i].child_count;
-        }
-        qsort(times, count, sizeof *times, compare);
-        passes[0].items[i].ns = times[count / 2];
-    }
-    for (uint32_t k = 1; k < count; k++) {
-        model_tasks_free(&passes[k]);
-    }
-    free(times);
+    model_tasks_free(least);
+    *least = *pass;
+    *pass = (struct model_tasks){0};
     return same;
 }
 
@@ -80,8 +64,8 @@ static struct eng_worker *begin(struct model_record *record)
     eng_paper_work_begin(worker);
     if (record->method == PCCD_METHOD_WIDE) {
         must(eng_wide_work_reserve(worker) == PCCD_OK, "a join");
-        eng_method_wide.enter(worker);
     }
+    eng_methods[record->method]->enter(worker);
     worker->thread = 0;
     return worker;
 }
@@ -89,11 +73,8 @@ static struct eng_worker *begin(struct model_record *record)
 /* Test what is left in the chunks. */
 static void end(struct model_record *record)
 {
-    if (record->method == PCCD_METHOD_WIDE) {
-        eng_method_wide.leave(record->worker);
-    } else {
-        eng_taskunit_flush(record->worker);
-    }
+    eng_methods[record->method]->leave(record->worker);
+    eng_methods[record->method]->flush(record->worker);
 }
 
 /* ---- tasks that make tasks ------------------------------------------------------- */
@@ -110,45 +91,10 @@ static uint32_t take_all(struct eng_worker *worker, uint64_t *names)
     return count;
 }
 
-static uint32_t perform_wide(struct eng_worker *worker, uint64_t name, uint64_t *made)
+static uint32_t perform_stolen(struct eng_worker *worker, uint64_t name, uint64_t *made)
 {
-    eng_method_wide.perform(worker, name);
+    eng_methods[worker->question->method]->perform(worker, name);
     return take_all(worker, made);
-}
-
-/* As eng_schedule_steal; a name is two nodes. */
-static uint32_t perform_steal(struct eng_worker *worker, uint64_t name, uint64_t *made)
-{
-    struct eng_unit_queue *units = &eng_paper_work_of(worker)->units;
-    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
-    uint32_t n = (uint32_t)(name >> 32);
-    uint32_t m = (uint32_t)name;
-    if (n == m && nodes[n].count <= ENG_STEAL_UNIT_GRAIN) {
-        eng_taskunit_perform(worker, n, true);
-        while (eng_units_count(units) > 0) {
-            eng_taskunit_perform(worker, eng_units_take_newest(units), true);
-        }
-        return 0;
-    }
-    if (n == m) {
-        const uint64_t left = nodes[n].left;
-        const uint64_t right = nodes[n].right;
-        made[0] = left << 32 | left;
-        made[1] = right << 32 | right;
-        made[2] = left << 32 | right;
-        return 3;
-    }
-    if ((uint64_t)nodes[n].count + nodes[m].count <= ENG_STEAL_PAIR_GRAIN) {
-        eng_taskunit_pairs(worker, n, m);
-        return 0;
-    }
-    uint32_t ns[4];
-    uint32_t ms[4];
-    uint32_t count = eng_taskunit_refine(worker, n, m, ns, ms);
-    for (uint32_t i = 0; i < count; i++) {
-        made[i] = (uint64_t)ns[i] << 32 | ms[i];
-    }
-    return count;
 }
 
 static uint32_t perform_unit(struct eng_worker *worker, uint64_t name, uint64_t *made)
@@ -217,52 +163,41 @@ static void deal(struct model_record *record, struct eng_worker *worker)
     struct eng_team team = {.scene = record->scene,
                             .workers = &worker,
                             .count = 1,
-                            .method = &eng_method_wide};
+                            .method = eng_methods[record->method]};
     uint64_t begin_ns = common_now_ns();
-    if (record->method == PCCD_METHOD_WIDE) {
-        eng_method_wide.deal(&team, worker);
-        record->deal_ns = since(begin_ns, record->clock_ns);
-        record->root_count = take_all(worker, record->roots);
-    } else {
-        uint64_t root = eng_trees_of(record->scene)->root;
-        record->roots[0] = root << 32 | root;
-        record->root_count = 1;
-    }
+    team.method->deal(&team, worker);
+    record->deal_ns = since(begin_ns, record->clock_ns);
+    record->root_count = take_all(worker, record->roots);
 }
 
 static void record_tasks(struct model_record *record, perform_fn *perform,
                          struct model_tasks *tasks, uint32_t *unit_of)
 {
-    struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
-    memset(passes, 0, record->passes * sizeof *passes);
-    for (uint32_t pass = 0; pass <= record->passes; pass++) {
+    for (uint32_t i = 0; i < record->passes; i++) {
+        struct model_tasks pass = {0};
         deal(record, begin(record));
-        /* The first one warms caches and grows memory. */
-        walk(record, perform, &passes[pass > 0 ? pass - 1 : 0], unit_of);
+        walk(record, perform, &pass, unit_of);
+        record->is_consistent = keep_least(tasks, &pass) && record->is_consistent;
     }
-    record->is_consistent = take_medians(passes, record->passes) && record->is_consistent;
-    *tasks = passes[0];
-    free(passes);
 }
 
 void model_record_init(struct model_record *record)
 {
     record->settings = (struct eng_question)ENG_QUESTION_DEFAULT;
     record->settings.contact_max = UINT32_MAX;
+    record->settings.method = record->method;
     record->worker = eng_alloc(1, sizeof *record->worker);
     must(record->worker != NULL, "a worker");
     eng_worker_init(record->worker);
     eng_pool_init(&record->pool);
     record->roots = bench_alloc(ENG_DEQUE_MAX, sizeof *record->roots);
     record->is_consistent = true;
-    if (record->method == PCCD_METHOD_WIDE) {
-        record_tasks(record, perform_wide, &record->steal, NULL);
-        return;
+    record_tasks(record, perform_stolen, &record->steal, NULL);
+    if (record->method == PCCD_METHOD_PAPER) {
+        uint32_t capacity = eng_trees_of(record->scene)->node_capacity;
+        record->unit_of = bench_alloc(capacity, sizeof *record->unit_of);
+        record_tasks(record, perform_unit, &record->units, record->unit_of);
     }
-    uint32_t capacity = eng_trees_of(record->scene)->node_capacity;
-    record->unit_of = bench_alloc(capacity, sizeof *record->unit_of);
-    record_tasks(record, perform_steal, &record->steal, NULL);
-    record_tasks(record, perform_unit, &record->units, record->unit_of);
 }
 
 void model_record_free(struct model_record *record)
@@ -385,14 +320,12 @@ static void record_high(struct model_division *division, struct model_record *re
     for (uint32_t i = 0; i < division->high_count; i++) { /* the deepest first */
         division->high[i].node = assignment->high[division->high_count - 1 - i];
     }
-    struct model_tasks *passes = bench_alloc(record->passes, sizeof *passes);
-    memset(passes, 0, record->passes * sizeof *passes);
-    for (uint32_t pass = 0; pass < record->passes; pass++) {
-        walk_high(division, record, &team, &passes[pass]);
+    for (uint32_t i = 0; i < record->passes; i++) {
+        struct model_tasks pass = {0};
+        walk_high(division, record, &team, &pass);
+        division->is_consistent =
+            keep_least(&division->tasks, &pass) && division->is_consistent;
     }
-    division->is_consistent = take_medians(passes, record->passes);
-    division->tasks = passes[0];
-    free(passes);
 }
 
 void model_division_init(struct model_division *division, struct model_record *record,

@@ -37,20 +37,11 @@ double model_tasks_sum(const struct model_tasks *tasks)
     return sum;
 }
 
-double model_tasks_largest(const struct model_tasks *tasks)
-{
-    double largest = 0;
-    for (uint32_t i = 0; i < tasks->count; i++) {
-        largest = fmax(largest, tasks->items[i].ns);
-    }
-    return largest;
-}
-
 double model_tasks_chain(const struct model_tasks *tasks, const uint32_t *roots,
-                         uint32_t count)
+                         uint32_t count, double *largest)
 {
     double *chain = bench_alloc(tasks->count, sizeof *chain);
-    double longest = 0;
+    double longest = *largest = 0;
     for (uint32_t i = tasks->count; i-- > 0;) {
         const struct model_task *task = &tasks->items[i];
         chain[i] = 0;
@@ -58,6 +49,7 @@ double model_tasks_chain(const struct model_tasks *tasks, const uint32_t *roots,
             chain[i] = fmax(chain[i], chain[task->first_child + k]);
         }
         chain[i] += task->ns;
+        *largest = fmax(*largest, task->ns);
     }
     for (uint32_t k = 0; k < count; k++) {
         longest = fmax(longest, chain[roots ? roots[k] : k]);
@@ -185,7 +177,6 @@ void model_schedule(struct model_threads *threads, const struct model_tasks *tas
             entry += list->count - 1;
         } else {
             threads->now[thread] = fmax(threads->now[thread], entry->made) + hand_over;
-            threads->hand_overs++;
             list->first++;
         }
         list->count--;

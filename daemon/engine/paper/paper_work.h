@@ -120,14 +120,6 @@ void eng_highlevel_expand(struct eng_team *team, struct eng_worker *worker,
 
 /* ---- task units -------------------------------------------------------------------- */
 
-/* Stealing: triangles below which a task is not split, of a node, of both nodes of a
- * pair. Triangles say little about the work where things touch: with 512 and 1024 the
- * largest task of recorded steps took up to 24 ms with its tests, more than a 64th of the
- * step; with these it takes 1.7 to 3.2 ms, and half of them gains nothing
- * (bench/model). A task costs about 0.1 us to push and pop. */
-#define ENG_STEAL_UNIT_GRAIN 128u
-#define ENG_STEAL_PAIR_GRAIN 128u
-
 /* Return whether features below a node may meet each other: not where they are all of an
  * object whose self-collision is off (masks.h), or foreign (mesh.h): nothing below it is
  * worth a task unit then. */
