@@ -322,10 +322,10 @@ static int put(struct pccd_mpi *world, struct ranks_object *object, const double
 
 int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object)
 {
-    struct pccd_object_settings settings = {
-        .struct_bytes = sizeof settings,
-        .what = PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK | PCCD_OBJECT_SELF |
-                COMMON_OBJECT_THICK};
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
+                                            .what = PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK |
+                                                    PCCD_OBJECT_SELF |
+                                                    COMMON_OBJECT_THICK};
     COMMON_ATTRIBUTES_COPY(&settings, &object->settings);
     if (object->local.leaf_count == 0 || !object->is_built) {
         settings.group = settings.mask = 0;

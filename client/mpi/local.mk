@@ -36,7 +36,7 @@ ranks_sources = \
     client/mpi/world.c
 mpi_program_sources = \
     client/mpi/program/check.c \
-    client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
+    client/mpi/program/deal.c \
     client/mpi/program/first.c \
     client/mpi/program/main.c \
     client/mpi/program/near.c \

@@ -74,8 +74,7 @@ static uint32_t copy_part(const struct pccd_mpi *world, const struct pccd_motion
         if (!ranks_part_of_run(at, motion->count, begin, end, &first, &last)) {
             continue;
         }
-        const struct ranks_object *object =
-            ranks_find_object(world, motion->object);
+        const struct ranks_object *object = ranks_find_object(world, motion->object);
         bool is_good = copy_end(motion, object, false, first, last);
         if (has_start(motion)) {
             is_good &= copy_end(motion, object, true, first, last);

@@ -52,12 +52,11 @@ int ranks_check_triangles(struct pccd_mpi *world, const struct pccd_near_setting
     }
     return wrong == NULL
                ? PCCD_OK
-               : ranks_fail(&world->link, PCCD_E_INVAL,
-                            "the mesh of object 0x%" PRIx32
-                            " has free edges or points: %s "
-                            "is answered for meshes of triangles alone",
-                            wrong->handle,
-                            near->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");
+               : ranks_fail(
+                     &world->link, PCCD_E_INVAL,
+                     "the mesh of object 0x%" PRIx32 " has free edges or points: %s "
+                     "is answered for meshes of triangles alone",
+                     wrong->handle, near->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");
 }
 
 /* ---- for both ---------------------------------------------------------------------- */

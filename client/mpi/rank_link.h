@@ -86,11 +86,11 @@ int ranks_swap_into(struct ranks_link *link, size_t item_bytes, const void *out,
  * first_in[size + 1] written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void **in, uint64_t *first_in);
-/* What other ranks are asked about each of some items. */
+/* Question to other ranks about each of some items. */
 struct ranks_question {
     size_t item_bytes, answer_bytes;
-    /* Answer all items that came to this rank. Every rank calls it once, so that it may be
-     * collective. */
+    /* Answer all items that came to this rank. Every rank calls it once, so that it may
+     * be collective. */
     int (*answer)(void *context, const void *items, uint64_t count, void *answers);
     void *context;
 };

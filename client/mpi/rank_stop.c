@@ -17,9 +17,7 @@ int ranks_stop_init(struct ranks_stop *stop, struct ranks_link *link)
     *stop = (struct ranks_stop){.link = link};
     atomic_init(&stop->is_cancelled, false);
     stop->requests = ranks_array(2 * (uint64_t)link->size, sizeof(MPI_Request));
-    return stop->requests == NULL
-               ? ranks_link_no_memory(link)
-               : PCCD_OK;
+    return stop->requests == NULL ? ranks_link_no_memory(link) : PCCD_OK;
 }
 
 void ranks_stop_deinit(struct ranks_stop *stop)

@@ -50,7 +50,7 @@ static int find_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
 
 /* ---- once ------------------------------------------------------------------------- */
 
-/* What a rank tells of vertices that it was given. */
+/* Numbers that a rank tells of vertices that it was given. */
 struct registered {
     const struct ranks_mesh *mesh;
     uint32_t width; /* numbers of each: a position, and 4 with its radius */

@@ -165,7 +165,7 @@ struct pccd_mpi {
     uint32_t team;    /* of the call that is being made: as many as libpccd's (team.h) */
     struct ranks_mesh **meshes;
     uint32_t mesh_count, mesh_number; /* the latter: made so far */
-    struct ranks_object **objects; /* by increasing handles */
+    struct ranks_object **objects;    /* by increasing handles */
     uint32_t object_count;
     struct ranks_pair *ignored;
     uint32_t ignored_count;

@@ -9,7 +9,6 @@
 #include "check_run.h"
 #include "clock.h"
 #include "ctl.h"
-#include "first.h"
 #include "judge.h"
 #include "output.h"
 #include "part.h"
@@ -331,8 +330,8 @@ static int make_step(struct check *check, struct judged *judged, struct ctl_erro
     }
     status = show(check, step, error);
     if (status == PCCD_OK) {
-        const struct ctl_mesh *const frames[2] = {
-            &check->frames[(check->number + 1) % 2], &check->frames[check->number % 2]};
+        const struct ctl_mesh *const frames[2] = {&check->frames[(check->number + 1) % 2],
+                                                  &check->frames[check->number % 2]};
         status = first_find(check->world, &check->first, frames, check->run.objects,
                             &step->first, error);
     }

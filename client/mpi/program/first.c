@@ -1,5 +1,5 @@
 /* first.c - the earliest contact of a step that all ranks compute together. */
-#include "first.h"
+#include "part.h"
 
 #include <stdlib.h>
 #include <string.h>

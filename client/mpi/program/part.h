@@ -7,6 +7,7 @@
 #ifndef PROGRAM_PART_H
 #define PROGRAM_PART_H
 
+#include "check_run.h"
 #include "meshframes.h"
 #include "pccd_mpi.h"
 
@@ -49,5 +50,14 @@ struct pccd_mpi_part part_to_put(const struct part *part, const struct ctl_mesh 
 /* Free what only further frames want: none is read from here on. */
 void part_drop_rows(struct part *part);
 void part_close(struct part *part);
+
+/* Collective. Say where the earliest contact is of those that ranks bring: `mine`, whose
+ * toi is above 1 if this rank has none. It is between features of one object, which goes
+ * from the positions that this rank has in frames[0] to those in frames[1]. On the root:
+ * with the parts of `objects`, unless that is NULL. `first` stays as it is where no rank
+ * has one. The same status on every rank. Errors: those of pccd_mpi_feature, E_SYSTEM. */
+int first_find(struct pccd_mpi *world, const struct pccd_contact *mine,
+               const struct ctl_mesh *const frames[2], const struct objects *objects,
+               struct report_first *first, struct ctl_error *error);
 
 #endif

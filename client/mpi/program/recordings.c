@@ -42,7 +42,7 @@ void recordings_options_init(struct recordings_options *options)
 
 static void put(struct recordings *all, const void *result)
 {
-    deal_put(all->deal, all->held, result);
+    deal_put(all->deal, all->number, result);
     all->held = DEAL_NONE;
     all->is_begun = false;
 }
@@ -61,7 +61,8 @@ static uint64_t next_place(void *context)
         put(all, result);
     }
     if (all->held == DEAL_NONE) {
-        all->held = deal_next(all->deal);
+        all->number = deal_next(all->deal);
+        all->held = all->number != DEAL_NONE ? all->todo[all->number] : DEAL_NONE;
     }
     if (all->held == DEAL_NONE || all->held - now->first >= now->count) {
         return 0;
@@ -210,12 +211,6 @@ static bool is_wanted(const struct recordings *all, uint64_t item)
     return play_is_within(&all->options->play.play, asked_of(all, item)->step);
 }
 
-static bool is_done(void *context, uint64_t item)
-{
-    const struct recordings *all = context;
-    return all->is_there[item] || item > all->stop || !is_wanted(all, item);
-}
-
 static void keep(struct recordings *all, uint64_t item, const void *result)
 {
     const struct recordings_work *work = all->work;
@@ -226,10 +221,11 @@ static void keep(struct recordings *all, uint64_t item, const void *result)
     }
 }
 
-static int take(void *context, uint64_t item, const void *result, bool *is_last,
+static int take(void *context, uint64_t number, const void *result, bool *is_last,
                 struct ctl_error *error)
 {
     struct recordings *all = context;
+    const uint64_t item = all->todo[number];
     if (all->results.fd >= 0) {
         json_t *line = all->work->line(result);
         int status = PCCD_E_NOMEM;
@@ -312,12 +308,10 @@ static json_t *head_of(const struct recordings *all)
 static int begin(struct recordings *all, const char *path, struct ctl_error *error)
 {
     all->made = calloc(all->count + 1, all->work->result_bytes);
-    all->is_there = calloc(all->count + 1, sizeof *all->is_there);
     json_t *head = path != NULL ? head_of(all) : NULL;
-    int status =
-        all->made == NULL || all->is_there == NULL || (path != NULL && head == NULL)
-            ? ctl_error_set(error, PCCD_E_NOMEM, "no memory for the results")
-            : PCCD_OK;
+    int status = all->made == NULL || (path != NULL && head == NULL)
+                     ? ctl_error_set(error, PCCD_E_NOMEM, "no memory for the results")
+                     : PCCD_OK;
     if (status == PCCD_OK && path != NULL) {
         status = results_open(&all->results, path, head, take_line, all, error);
     }
@@ -331,19 +325,31 @@ static int begin(struct recordings *all, const char *path, struct ctl_error *err
 
 static int deal_all(struct recordings *all, struct ctl_error *error)
 {
-    const struct deal_work dealing = {.count = all->count,
-                                      .result_bytes = all->work->result_bytes,
-                                      .context = all,
-                                      .is_done = is_done,
-                                      .take = take,
-                                      .compute_context = all,
-                                      .compute = compute,
-                                      .interrupted = interrupted};
-    int status = together_agree(
-        together_is_root() ? begin(all, all->options->results, error) : PCCD_OK, error);
+    all->is_there = calloc(all->count + 1, sizeof *all->is_there);
+    all->todo = malloc((all->count + 1) * sizeof *all->todo);
+    int status = all->is_there == NULL || all->todo == NULL
+                     ? ctl_error_set(error, PCCD_E_NOMEM, "no memory for the results")
+                     : PCCD_OK;
+    if (status == PCCD_OK && together_is_root()) {
+        status = begin(all, all->options->results, error);
+    }
+    status = together_agree(status, error);
     if (status != PCCD_OK) {
         return status;
     }
+    together_tell(all->is_there, all->count * sizeof *all->is_there);
+    together_tell(&all->stop, sizeof all->stop);
+    for (uint64_t i = 0; i < all->count && i <= all->stop; i++) {
+        if (!all->is_there[i] && is_wanted(all, i)) {
+            all->todo[all->todo_count++] = i;
+        }
+    }
+    const struct deal_work dealing = {.count = all->todo_count,
+                                      .result_bytes = all->work->result_bytes,
+                                      .context = all,
+                                      .take = take,
+                                      .compute = compute,
+                                      .interrupted = interrupted};
     status = deal(&dealing, error);
     if (status != PCCD_OK && together_is_root()) {
         struct ctl_error why = *error;
@@ -410,6 +416,7 @@ static void close_all(struct recordings *recordings)
     results_close(&recordings->results);
     free(recordings->made);
     free(recordings->is_there);
+    free(recordings->todo);
     free(recordings->files);
 }
 

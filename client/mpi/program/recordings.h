@@ -64,9 +64,11 @@ struct recordings {
     struct recording *files;
     uint32_t file_count;
     uint64_t count; /* items of all files */
-    /* What came of the items, on the root. */
+    /* What came of the items, on the root, */
     unsigned char *made; /* [count] of work->result_bytes */
-    bool *is_there;      /* [count] */
+    bool *is_there;      /* [count] and, on all ranks, what was in the file */
+    uint64_t *todo;      /* [todo_count] items that are dealt, by their numbers there */
+    uint64_t todo_count;
     struct results results;
     uint64_t stop;    /* the least item behind which none counts */
     uint64_t found;   /* results that were in the file */
@@ -75,7 +77,8 @@ struct recordings {
     /* On the rank that computes. */
     struct deal *deal;
     struct recording *now;
-    uint64_t held;    /* an item that is dealt; DEAL_NONE: none */
+    uint64_t number;  /* that is dealt; DEAL_NONE: none */
+    uint64_t held;    /* its item, or DEAL_NONE */
     bool is_begun;    /* and is being done */
     uint32_t threads; /* of each step */
 };
