@@ -48,11 +48,7 @@ static int create_sheet(struct load_actor *actor, bool replace, void *x,
     uint32_t count = load_sheet_triangle_count(&actor->shape);
     const uint32_t(*constant)[3] = (const uint32_t(*)[3])(const void *)triangles;
     enum pccd_format format = format_of(actor);
-    if (format == PCCD_FORMAT_F64) {
-        load_sheet_f64(&actor->shape, 0, x);
-    } else {
-        load_sheet_f32(&actor->shape, 0, x);
-    }
+    load_sheet_at(&actor->shape, 0, format, x);
     load_sheet(&actor->shape, triangles);
     return replace ? pccd_mesh_replace(actor->client, actor->sheet_mesh, x, format,
                                        vertices, constant, count, NULL)
@@ -248,8 +244,8 @@ static int write_jump(const struct load_actor *actor, struct pccd_frame *frame,
     if (status != 0) {
         return status;
     }
-    load_sheet_f64(&actor->shape, pending->from, x0);
-    load_sheet_f64(&actor->shape, (pending->from + 1) % LOAD_FRAMES, x1);
+    load_sheet_at(&actor->shape, pending->from, PCCD_FORMAT_F64, x0);
+    load_sheet_at(&actor->shape, (pending->from + 1) % LOAD_FRAMES, PCCD_FORMAT_F64, x1);
     if (pending->mischief == LOAD_NOT_FINITE) {
         ((double *)x1)[7] = NAN;
     }
@@ -275,10 +271,8 @@ static int write_step(const struct load_actor *actor, struct pccd_frame *frame,
     }
     enum pccd_format format = format_of(actor);
     int status = pccd_frame_x1(frame, actor->sheet, format, 0, vertices, &x1);
-    if (status == 0 && format == PCCD_FORMAT_F64) {
-        load_sheet_f64(shape, to, x1);
-    } else if (status == 0) {
-        load_sheet_f32(shape, to, x1);
+    if (status == 0) {
+        load_sheet_at(shape, to, format, x1);
     }
     return status;
 }

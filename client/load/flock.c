@@ -61,8 +61,9 @@ int load_flock_write(struct load_actor *actor, const struct load_pending *pendin
     void **x1 = actor->places + count;
     int status = pccd_batch_begin(actor->batch, x0, x1);
     for (uint32_t i = 0; i < count && status == 0; i++) {
-        load_sheet_f64(&actor->shape, pending->from, x0[i]);
-        load_sheet_f64(&actor->shape, (pending->from + 1) % LOAD_FRAMES, x1[i]);
+        load_sheet_at(&actor->shape, pending->from, PCCD_FORMAT_F64, x0[i]);
+        load_sheet_at(&actor->shape, (pending->from + 1) % LOAD_FRAMES, PCCD_FORMAT_F64,
+                      x1[i]);
     }
     if (status == 0 && pending->mischief == LOAD_NOT_FINITE) {
         ((double *)x1[count - 1])[7] = NAN;

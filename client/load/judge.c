@@ -18,38 +18,31 @@ static uint64_t add_bytes(uint64_t sum, const void *record, size_t bytes)
     return sum;
 }
 
-/* The same of what is near. Bounds name no object. */
-static uint64_t near_sum_of(const struct load_actor *actor,
-                            const struct pccd_answer *answer)
-{
-    uint64_t sum = answer->count;
-    for (uint64_t i = 0; i < answer->count; i++) {
-        if (answer->what == PCCD_NEAR_VERTICES) {
-            sum = add_bytes(sum, &answer->vertex_bounds[i], sizeof(double));
-            continue;
-        }
-        struct pccd_near near = answer->near[i];
-        near.object_a = near.object_a == actor->sheet;
-        near.object_b = near.object_b == actor->sheet;
-        sum = add_bytes(sum, &near, sizeof near);
-    }
-    return sum;
-}
+_Static_assert(sizeof(struct pccd_near) == sizeof(struct pccd_contact) &&
+                   offsetof(struct pccd_near, object_b) ==
+                       offsetof(struct pccd_contact, object_b),
+               "records name objects in the same places");
 
 /* Over all records. Objects by whether they are the sheet: one that is made anew has
- * another number. */
+ * another number. Bounds name none. */
 static uint64_t sum_of(const struct load_actor *actor, const struct pccd_answer *answer)
 {
     uint64_t sum = answer->count;
     for (uint64_t i = 0; i < answer->count; i++) {
-        if (answer->mode == PCCD_MODE_PAIRS) {
+        struct pccd_contact record;
+        if (answer->is_near && answer->what == PCCD_NEAR_VERTICES) {
+            sum = add_bytes(sum, &answer->vertex_bounds[i], sizeof(double));
+        } else if (!answer->is_near && answer->mode == PCCD_MODE_PAIRS) {
             sum = add_bytes(sum, &answer->pairs[i], sizeof answer->pairs[i]);
-            continue;
+        } else {
+            memcpy(&record,
+                   answer->is_near ? (const void *)&answer->near[i]
+                                   : &answer->contacts[i],
+                   sizeof record);
+            record.object_a = record.object_a == actor->sheet;
+            record.object_b = record.object_b == actor->sheet;
+            sum = add_bytes(sum, &record, sizeof record);
         }
-        struct pccd_contact contact = answer->contacts[i];
-        contact.object_a = contact.object_a == actor->sheet;
-        contact.object_b = contact.object_b == actor->sheet;
-        sum = add_bytes(sum, &contact, sizeof contact);
     }
     return sum;
 }
@@ -126,9 +119,7 @@ static void compare(struct load_actor *actor, const struct load_pending *pending
 {
     struct load_truth *truth = load_truth_of(actor->load, actor->number,
                                              actor->sheet < actor->floor, pending->from);
-    struct load_truth found = {{answer->hash[0], answer->hash[1]},
-                               answer->is_near ? near_sum_of(actor, answer)
-                                               : sum_of(actor, answer)};
+    struct load_truth found = {{answer->hash[0], answer->hash[1]}, sum_of(actor, answer)};
     if (is_without_records(actor, answer)) {
         found.sum = truth->sum;
     }

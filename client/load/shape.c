@@ -119,18 +119,8 @@ static void at(const struct load_shape *shape, uint64_t seed, uint32_t frame,
     x[2] = waves->columns[column] + waves->rows[row];
 }
 
-void load_sheet_f64(const struct load_shape *shape, uint32_t frame, double (*x)[3])
-{
-    uint64_t seed = client_seed(shape);
-    uint32_t count = load_sheet_vertices(shape);
-    struct waves waves;
-    make_waves(shape, seed, frame, &waves);
-    for (uint32_t i = 0; i < count; i++) {
-        at(shape, seed, frame, &waves, i, x[i]);
-    }
-}
-
-void load_sheet_f32(const struct load_shape *shape, uint32_t frame, float (*x)[3])
+void load_sheet_at(const struct load_shape *shape, uint32_t frame,
+                   enum pccd_format format, void *x)
 {
     uint64_t seed = client_seed(shape);
     uint32_t count = load_sheet_vertices(shape);
@@ -139,9 +129,13 @@ void load_sheet_f32(const struct load_shape *shape, uint32_t frame, float (*x)[3
     for (uint32_t i = 0; i < count; i++) {
         double exact[3];
         at(shape, seed, frame, &waves, i, exact);
-        x[i][0] = (float)exact[0];
-        x[i][1] = (float)exact[1];
-        x[i][2] = (float)exact[2];
+        for (uint32_t k = 0; k < 3; k++) {
+            if (format == PCCD_FORMAT_F64) {
+                ((double *)x)[3 * i + k] = exact[k];
+            } else {
+                ((float *)x)[3 * i + k] = (float)exact[k];
+            }
+        }
     }
 }
 

@@ -10,6 +10,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "pccd_types.h"
+
 #define LOAD_FRAMES          8u
 #define LOAD_SIDE_MAX        708u /* of a sheet: a million triangles */
 #define LOAD_FLOOR_SIDE      2u
@@ -58,9 +60,9 @@ static inline uint32_t load_sheet_triangle_count(const struct load_shape *shape)
 void load_floor(const struct load_shape *shape, float (*x)[3], uint32_t (*triangles)[3]);
 void load_sheet(const struct load_shape *shape, uint32_t (*triangles)[3]);
 
-/* Write the sheet's vertices at a position, 0 .. LOAD_FRAMES - 1. */
-void load_sheet_f32(const struct load_shape *shape, uint32_t frame, float (*x)[3]);
-void load_sheet_f64(const struct load_shape *shape, uint32_t frame, double (*x)[3]);
+/* Write the sheet's vertices at a position, 0 .. LOAD_FRAMES - 1: x[vertices][3]. */
+void load_sheet_at(const struct load_shape *shape, uint32_t frame,
+                   enum pccd_format format, void *x);
 
 /* Write rows of [R | t], a transform that takes its registered vertices to such a
  * position. */

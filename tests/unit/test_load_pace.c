@@ -215,17 +215,17 @@ CASE(shape__is_different_for_every_client_and_position)
         shape = (struct load_shape){
             .seed = 1, .client = 7, .side = 4, .scene = (enum load_scene)scene};
         assert_int_equal(load_sheet_vertices(&shape), 25);
-        load_sheet_f64(&shape, 0, x[0]);
-        load_sheet_f64(&shape, 0, x[1]);
+        load_sheet_at(&shape, 0, PCCD_FORMAT_F64, x[0]);
+        load_sheet_at(&shape, 0, PCCD_FORMAT_F64, x[1]);
         assert_memory_equal(x[0], x[1], sizeof x[0]);
         shape.client = 8;
-        load_sheet_f64(&shape, 0, x[1]);
+        load_sheet_at(&shape, 0, PCCD_FORMAT_F64, x[1]);
         assert_memory_not_equal(x[0], x[1], sizeof x[0]);
         shape.client = 7;
-        load_sheet_f64(&shape, 1, x[1]);
+        load_sheet_at(&shape, 1, PCCD_FORMAT_F64, x[1]);
         assert_memory_not_equal(x[0], x[1], sizeof x[0]);
         shape.seed = 2;
-        load_sheet_f64(&shape, 0, x[1]);
+        load_sheet_at(&shape, 0, PCCD_FORMAT_F64, x[1]);
         assert_memory_not_equal(x[0], x[1], sizeof x[0]);
     }
 }
