@@ -254,32 +254,6 @@ static void make_straight(struct late *late, bool smoke)
     make_deforming(late, smoke ? 30 : 708);
 }
 
-static void make_straight_paper(struct late *late, bool smoke)
-{
-    late->settings.method = PCCD_METHOD_PAPER;
-    make_straight(late, smoke);
-}
-
-/* Records of 8 bytes, tens of millions of them. */
-static void make_pairs(struct late *late, bool smoke)
-{
-    late->settings.mode = PCCD_MODE_PAIRS;
-    make_straight(late, smoke);
-}
-
-/* Thicker than the cells are wide. */
-static void make_thick(struct late *late, bool smoke)
-{
-    late->settings.separation = smoke ? 0.1 : 0.01;
-    make_straight(late, smoke);
-}
-
-static void make_thick_chain(struct late *late, bool smoke)
-{
-    late->settings.separation = 0.05;
-    make_chain(late, smoke);
-}
-
 /* Each joint from 2^20 turns to as many in the other direction. */
 static void make_turns(struct late *late, bool smoke)
 {
@@ -295,18 +269,13 @@ static void make_turns(struct late *late, bool smoke)
  * narrowest bracket; or just as far, throughout. */
 static void make_near(struct late *late, bool smoke)
 {
-    late->settings.separation = 0.5;
-    late->settings.tolerance = 1e-12;
     make_twins(late, make_roll(smoke ? 10 : 224), 3);
 }
 
 static void make_just_as_far(struct late *late, bool smoke)
 {
     make_twins(late, make_sheet(smoke ? 5 : 224), 3);
-    const double at[3] = {0, 0, 0.125};
-    memcpy(late->joints[0].position, at, sizeof at);
-    late->settings.separation = at[2];
-    late->settings.tolerance = 1e-12;
+    late->joints[0].position[2] = late->settings.separation;
 }
 
 /* Triangles whose numbers are as far apart as doubles may be, in some of few planes: for
@@ -320,18 +289,6 @@ static void make_exponents(struct late *late, bool smoke)
         uint32_t kind = prng_u32(&late->prng, 4);
         *x = kind == 0 ? 0 : ldexp(mantissa, kind == 1 ? -1060 : 59);
     }
-}
-
-static void make_exponents_thick(struct late *late, bool smoke)
-{
-    late->settings.separation = 0x1p50;
-    make_exponents(late, smoke);
-}
-
-static void make_start(struct late *late, bool smoke)
-{
-    late->settings.tells_start = true;
-    make_straight(late, smoke);
 }
 
 /* Points that fly through a roll, as rays do. */
@@ -383,39 +340,16 @@ static struct shape make_torus(uint32_t side)
 }
 
 /* Ask about two of these, far into one another, which stand. */
-static void ask(struct late *late, bool smoke, enum pccd_near_what what, double distance)
+static void ask(struct late *late, bool smoke)
 {
     struct shape torus = make_torus(smoke ? 12 : 708);
     (void)add(late, register_shape(late, &torus));
     for (uint32_t v = 0; v < torus.vertices; v++) {
-        torus.x[v][0] += what == PCCD_NEAR_NEAREST ? 2.61 : 0.2;
+        torus.x[v][0] += late->near.what == PCCD_NEAR_NEAREST ? 2.61 : 0.2;
     }
     (void)add(late, register_shape(late, &torus));
     free_shape(&torus);
-    late->near = (struct pccd_near_settings)PCCD_NEAR_SETTINGS_INIT;
-    late->near.what = what;
-    late->near.distance = distance;
     late->asks = true;
-}
-
-static void ask_pairs(struct late *late, bool smoke)
-{
-    ask(late, smoke, PCCD_NEAR_PAIRS, 0.01);
-}
-
-static void ask_vertices(struct late *late, bool smoke)
-{
-    ask(late, smoke, PCCD_NEAR_VERTICES, 0.01);
-}
-
-static void ask_nearest(struct late *late, bool smoke)
-{
-    ask(late, smoke, PCCD_NEAR_NEAREST, INFINITY);
-}
-
-static void ask_depth(struct late *late, bool smoke)
-{
-    ask(late, smoke, PCCD_NEAR_DEPTH, 0);
 }
 
 /* ---- batches ----------------------------------------------------------------------- */
@@ -474,39 +408,6 @@ static void make_heap(struct late *late, bool smoke)
     make_boxes(late, smoke ? 10 : 160);
 }
 
-static void make_heaps(struct late *late, bool smoke)
-{
-    make_batch(late, smoke ? 3 : 64, smoke, make_heap);
-}
-
-static void make_arms_paper(struct late *late, bool smoke)
-{
-    late->settings.method = PCCD_METHOD_PAPER;
-    make_batch(late, smoke ? 3 : 64, smoke, make_arm);
-}
-
-static void make_smalls_paper(struct late *late, bool smoke)
-{
-    late->settings.method = PCCD_METHOD_PAPER;
-    make_batch(late, smoke ? 3 : 64, smoke, make_small);
-}
-
-static void make_arms(struct late *late, bool smoke)
-{
-    make_batch(late, smoke ? 3 : 64, smoke, make_arm);
-}
-
-/* Edges of a roadmap. */
-static void make_roadmap(struct late *late, bool smoke)
-{
-    make_batch(late, smoke ? 3 : SCENES, smoke, make_arm);
-}
-
-static void make_smalls(struct late *late, bool smoke)
-{
-    make_batch(late, smoke ? 3 : 64, smoke, make_small);
-}
-
 /* ---- held frames ------------------------------------------------------------------- */
 
 /* A million triangles whose frame is held, and another member's body, which turns about
@@ -534,35 +435,44 @@ static void make_held(struct late *late, bool smoke)
 static const struct {
     const char *name;
     void (*make)(struct late *late, bool smoke);
+    uint32_t batch; /* of so many scenes; 0: it is none */
+    enum pccd_method method;
+    enum pccd_mode mode;
+    double separation, tolerance;
+    bool tells_start;
+    enum pccd_near_what what; /* of a question, and its distance */
+    double distance;
 } scenes[] = {
-    {"pile of boxes", make_pile},
-    {"large twins", make_large},
-    {"undecided", make_undecided},
-    {"10^5 rad", make_often},
-    {"64 joints", make_chain},
-    {"straight", make_straight},
-    {"a batch of arms", make_arms},
-    {"a batch, straight", make_smalls},
-    {"a held frame", make_held},
-    {"64 joints, thick", make_thick_chain},
-    {"64 joints, 2^20 turns", make_turns},
-    {"near, 1e-12", make_near},
-    {"just as far, 1e-12", make_just_as_far},
-    {"exponents", make_exponents},
-    {"exponents, thick", make_exponents_thick},
-    {"a roadmap", make_roadmap},
-    {"straight, paper", make_straight_paper},
-    {"straight, thick", make_thick},
-    {"straight, its start", make_start},
-    {"straight, pairs", make_pairs},
-    {"points through it", make_cast},
-    {"a batch of heaps", make_heaps},
-    {"a batch of arms, paper", make_arms_paper},
-    {"a batch, straight, paper", make_smalls_paper},
-    {"near, pairs", ask_pairs},
-    {"near, vertices", ask_vertices},
-    {"nearest", ask_nearest},
-    {"depth", ask_depth},
+    {"pile of boxes", make_pile, .batch = 0},
+    {"large twins", make_large, .batch = 0},
+    {"undecided", make_undecided, .batch = 0},
+    {"10^5 rad", make_often, .batch = 0},
+    {"64 joints", make_chain, .batch = 0},
+    {"straight", make_straight, .batch = 0},
+    {"a batch of arms", make_arm, .batch = 64},
+    {"a batch, straight", make_small, .batch = 64},
+    {"a held frame", make_held, .batch = 0},
+    {"64 joints, thick", make_chain, .separation = 0.05},
+    {"64 joints, 2^20 turns", make_turns, .batch = 0},
+    {"near, 1e-12", make_near, .separation = 0.5, .tolerance = 1e-12},
+    {"just as far, 1e-12", make_just_as_far, .separation = 0.125, .tolerance = 1e-12},
+    {"exponents", make_exponents, .batch = 0},
+    {"exponents, thick", make_exponents, .separation = 0x1p50},
+    {"a roadmap", make_arm, .batch = SCENES}, /* an edge each */
+    {"straight, paper", make_straight, .method = PCCD_METHOD_PAPER},
+    /* Thicker than the cells are wide. */
+    {"straight, thick", make_straight, .separation = 0.01},
+    {"straight, its start", make_straight, .tells_start = true},
+    /* Records of 8 bytes, tens of millions of them. */
+    {"straight, pairs", make_straight, .mode = PCCD_MODE_PAIRS},
+    {"points through it", make_cast, .batch = 0},
+    {"a batch of heaps", make_heap, .batch = 64},
+    {"a batch of arms, paper", make_arm, .batch = 64, .method = PCCD_METHOD_PAPER},
+    {"a batch, straight, paper", make_small, .batch = 64, .method = PCCD_METHOD_PAPER},
+    {"near, pairs", ask, .what = PCCD_NEAR_PAIRS, .distance = 0.01},
+    {"near, vertices", ask, .what = PCCD_NEAR_VERTICES, .distance = 0.01},
+    {"nearest", ask, .what = PCCD_NEAR_NEAREST, .distance = INFINITY},
+    {"depth", ask, .what = PCCD_NEAR_DEPTH},
 };
 
 /* ---- what is measured -------------------------------------------------------------- */
@@ -743,10 +653,26 @@ int section_late(const struct section_options *section)
             continue;
         }
         struct late *late = bench_alloc(1, sizeof *late);
-        *late = (struct late){
-            .client = client, .prng = {17}, .settings = PCCD_STEP_SETTINGS_INIT};
+        *late = (struct late){.client = client,
+                              .prng = {17},
+                              .settings = PCCD_STEP_SETTINGS_INIT,
+                              .near = PCCD_NEAR_SETTINGS_INIT};
+        late->settings.method = scenes[i].method;
+        late->settings.mode = scenes[i].mode;
+        late->settings.separation = scenes[i].separation;
+        late->settings.tells_start = scenes[i].tells_start;
+        if (scenes[i].tolerance > 0) {
+            late->settings.tolerance = scenes[i].tolerance;
+        }
+        late->near.what = scenes[i].what;
+        late->near.distance = scenes[i].distance;
         bench_must(pccd_scene_create(client, NULL, &late->scene), "scene", client);
-        scenes[i].make(late, options->smoke);
+        if (scenes[i].batch > 0) {
+            make_batch(late, options->smoke ? 3 : scenes[i].batch, options->smoke,
+                       scenes[i].make);
+        } else {
+            scenes[i].make(late, options->smoke);
+        }
         scene_count++;
         late_count += measure_rounds(late, scenes[i].name, options->smoke, 1);
         late_count += measure_rounds(late, scenes[i].name, options->smoke, 2);
