@@ -783,7 +783,8 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
  * that moves: two bodies that meet hold up the others, too; 1: x is x1. 0: x is x0,
  * as what meets at t = 0 (PCCD_INITIAL) leaves no way to go, unless the settings have an
  * `approach`, or leave out what touches and does not enter (`touching`). The answer is
- * that of the whole step, in the mode that was asked for, and the caller's to release; an
+ * that of the whole step, in the mode that was asked for, and the caller's to release. If
+ * it has several pages pccd_fetch has no others: E_STATE, as further steps have run. An
  * incomplete one, and mode any or pairs with a hit, are taken for a contact at t = 0.
  * Errors: those of pccd_step; E_INVAL: an end or x is missing, x lies in an end,
  * or settings with `hold`. */
