@@ -308,6 +308,32 @@ static void check_ownership(const struct eng_mesh *mesh)
     free(first);
 }
 
+static bool is_like(const uint32_t *a, const uint32_t *b)
+{
+    for (int turn = 0; turn < 3; turn++) {
+        if (a[0] == b[turn] &&
+            ((a[1] == b[(turn + 1) % 3] && a[2] == b[(turn + 2) % 3]) ||
+             (a[1] == b[(turn + 2) % 3] && a[2] == b[(turn + 1) % 3]))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Triangles with the corners of an earlier one. */
+static uint32_t count_duplicates(const struct eng_mesh *mesh)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 1; i < mesh->info.triangle_count; i++) {
+        uint32_t other = 0;
+        while (other < i && !is_like(mesh->leaves[i].v, mesh->leaves[other].v)) {
+            other++;
+        }
+        count += other < i;
+    }
+    return count;
+}
+
 /* If it failed: a contact would be missing (no owner) or reported twice (two). */
 CASE(mesh__every_feature_is_owned_exactly_once)
 {
@@ -341,6 +367,7 @@ CASE(mesh__every_feature_is_owned_exactly_once)
         }
         mesh = kit_mesh(x, vertices, triangles, 1 + prng_u32(&random, 30));
         check_ownership(mesh);
+        assert_int_equal(mesh->info.duplicate_count, count_duplicates(mesh));
         eng_mesh_release(mesh);
     }
 }

@@ -26,7 +26,7 @@
  * 1]], ascending. */
 struct by_vertex {
     size_t *first;              /* [vertex_count + 1] */
-    uint64_t *entry;            /* [3 * all that is named] */
+    uint64_t *entry;            /* [3 * all that is named + 1] */
     struct eng_radix_key *keys; /* for vertices with many; NULL: none has */
     size_t count;               /* of entries */
     size_t repeats;             /* of these, like the one before them of their vertex */
@@ -195,23 +195,35 @@ static unsigned side_of(const uint32_t *v, uint32_t low, uint32_t high)
     return k;
 }
 
-/* Number the edges and let the lowest leaf with a side own its edge. */
-static void assign_edges(const struct eng_mesh *mesh, const struct by_vertex *by,
-                         struct eng_face *leaves, uint32_t (*edges)[2])
+/* Number the edges and let the lowest leaf with a side own its edge. Edges, (lower,
+ * higher) vertex, take the places of entries. Returns whether two triangles may have the
+ * same corners, as no two have that share a side with one more at most and have different
+ * third corners. */
+static bool assign_edges(const struct eng_mesh *mesh, struct by_vertex *by,
+                         struct eng_face *leaves)
 {
-    uint32_t edge = 0;
+    size_t edge = 0;
+    bool may_repeat = false;
     for (uint32_t v = 0; v < mesh->info.vertex_count; v++) {
+        const struct eng_face *last = NULL; /* with the same side, alone as yet */
+        uint64_t low = UINT64_MAX;
         for (size_t i = by->first[v]; i < by->first[v + 1]; i++) {
-            uint32_t low = (uint32_t)(by->entry[i] >> 32);
-            if (i == by->first[v] || low != (uint32_t)(by->entry[i - 1] >> 32)) {
-                struct eng_face *owner = &leaves[(uint32_t)by->entry[i]];
-                owner->owns |= ENG_OWNS_EDGE(side_of(owner->v, low, v));
-                edges[edge][0] = low;
-                edges[edge][1] = v;
-                edge++;
+            uint64_t entry = by->entry[i];
+            struct eng_face *leaf = &leaves[(uint32_t)entry];
+            if (entry >> 32 == low) {
+                may_repeat |= !last || (leaf->v[0] ^ leaf->v[1] ^ leaf->v[2]) ==
+                                           (last->v[0] ^ last->v[1] ^ last->v[2]);
+                last = NULL;
+                continue;
             }
+            low = entry >> 32;
+            last = leaf;
+            leaf->owns |= ENG_OWNS_EDGE(side_of(leaf->v, (uint32_t)low, v));
+            const uint32_t ends[2] = {(uint32_t)low, v};
+            memcpy(&by->entry[edge++], ends, sizeof ends);
         }
     }
+    return may_repeat;
 }
 
 static bool is_point(const struct eng_mesh *mesh, uint32_t t)
@@ -226,17 +238,18 @@ static uint32_t assign_vertices(const struct eng_mesh *mesh, uint32_t named,
 {
     uint32_t isolated = mesh->info.vertex_count;
     memset(seen, 0, mesh->info.vertex_count);
-    for (uint64_t i = 0; i < 2 * (uint64_t)named; i++) {
-        uint32_t t = (uint32_t)(i < named ? i : i - named);
-        if (is_point(mesh, t) != (i >= named)) {
-            continue;
-        }
-        for (unsigned k = 0; k < 3; k++) {
-            uint32_t v = leaves[t].v[k];
-            if (!seen[v]) {
-                seen[v] = 1;
-                leaves[t].owns |= ENG_OWNS_VERTEX(k);
-                isolated--;
+    for (int points = 0; points < 2; points++) {
+        for (uint32_t t = points ? mesh->info.triangle_count : 0; t < named; t++) {
+            if (is_point(mesh, t) != points) {
+                continue;
+            }
+            for (unsigned k = 0; k < 3; k++) {
+                uint32_t v = leaves[t].v[k];
+                if (!seen[v]) {
+                    seen[v] = 1;
+                    leaves[t].owns |= ENG_OWNS_VERTEX(k);
+                    isolated--;
+                }
             }
         }
     }
@@ -287,8 +300,7 @@ uint32_t eng_mesh_edge(const struct eng_mesh *mesh, uint32_t a, uint32_t b)
     while (high - low > 1) { /* by (higher, lower) vertex */
         uint32_t middle = low + (high - low) / 2;
         const uint32_t *edge = mesh->edges[middle];
-        bool is_after =
-            edge[1] > ends[1] || (edge[1] == ends[1] && edge[0] > ends[0]);
+        bool is_after = edge[1] > ends[1] || (edge[1] == ends[1] && edge[0] > ends[0]);
         low = is_after ? low : middle;
         high = is_after ? middle : high;
     }
@@ -314,24 +326,44 @@ static uint64_t *new_bits(uint32_t count, uint32_t free_count, int *status)
     return bits;
 }
 
-/* Count repetitions of triangles, whose corners are in any order, and list the sides. */
-static int look_at_all(const struct eng_mesh *mesh, uint32_t named, struct by_vertex *by,
-                       struct eng_mesh_info *info)
+/* List the sides. */
+static int list_sides(const struct eng_mesh *mesh, uint32_t named, struct by_vertex *by,
+                      struct eng_mesh_info *info)
 {
-    int status = sort_all(mesh, deal(mesh, info->triangle_count, say_corners, by), 0, by);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    info->duplicate_count = (uint32_t)by->repeats;
-    status = sort_all(mesh, deal(mesh, named, say_sides, by), 32, by);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    if (by->count - by->repeats > PROTO_COUNT_MAX) {
-        return PCCD_E_LIMIT;
+    int status = sort_all(mesh, deal(mesh, named, say_sides, by), 32, by);
+    if (status == PCCD_OK && by->count - by->repeats > PROTO_COUNT_MAX) {
+        status = PCCD_E_LIMIT;
     }
     info->edge_count = (uint32_t)(by->count - by->repeats);
-    return PCCD_OK;
+    return status;
+}
+
+/* Count repetitions of triangles, whose corners are in any order. */
+static int count_duplicates(const struct eng_mesh *mesh, struct by_vertex *by,
+                            struct eng_mesh_info *info)
+{
+    eng_free(by->entry);
+    by->entry = eng_alloc(info->triangle_count, sizeof *by->entry);
+    if (!by->entry) {
+        return PCCD_E_NOMEM;
+    }
+    int status = sort_all(mesh, deal(mesh, info->triangle_count, say_corners, by), 0, by);
+    info->duplicate_count = (uint32_t)by->repeats;
+    return status;
+}
+
+/* Count triangles without area. Returns whether one is a point, which has no side. */
+static bool count_degenerate(const struct eng_mesh *mesh, struct eng_mesh_info *info)
+{
+    bool has_point = false;
+    for (uint32_t t = 0; t < info->triangle_count; t++) {
+        const uint32_t *v = mesh->corners[t];
+        if (has_zero_area((const double(*)[3])mesh->x, v)) {
+            info->degenerate_count++;
+            has_point |= v[0] == v[1] && v[1] == v[2];
+        }
+    }
+    return has_point;
 }
 
 /* The parts of a mesh that are derived from what was named. */
@@ -355,22 +387,28 @@ static int derive(const struct eng_mesh *mesh, uint32_t named, struct by_vertex 
                   uint8_t *seen, struct derived *derived)
 {
     struct eng_mesh_info *info = &derived->info;
-    int status = look_at_all(mesh, named, by, info);
+    int status = list_sides(mesh, named, by, info);
     if (status != PCCD_OK) {
         return status;
     }
     derived->leaves = eng_alloc(named, sizeof *derived->leaves);
-    derived->edges = eng_alloc((size_t)info->edge_count + 1, sizeof *derived->edges);
-    if (!derived->leaves || !derived->edges) {
+    if (!derived->leaves) {
         return PCCD_E_NOMEM;
     }
-    for (uint32_t t = 0; t < info->triangle_count; t++) {
-        info->degenerate_count +=
-            has_zero_area((const double(*)[3])mesh->x, mesh->corners[t]);
-    }
+    bool may_repeat = count_degenerate(mesh, info);
     init_leaves(mesh, named, derived->leaves);
     info->isolated_count = assign_vertices(mesh, named, derived->leaves, seen);
-    assign_edges(mesh, by, derived->leaves, derived->edges);
+    may_repeat |= assign_edges(mesh, by, derived->leaves);
+    derived->edges =
+        eng_realloc(by->entry, (size_t)info->edge_count + 1, sizeof *derived->edges);
+    if (!derived->edges) {
+        return PCCD_E_NOMEM;
+    }
+    by->entry = NULL;
+    status = may_repeat ? count_duplicates(mesh, by, info) : PCCD_OK;
+    if (status != PCCD_OK) {
+        return status;
+    }
     derived->leaf_count = order_leaves(info, derived->leaves, named);
     derived->free[PCCD_TREE_VERTICES] =
         new_bits(info->vertex_count, info->free_point_count, &status);
@@ -406,7 +444,7 @@ int eng_feature_derive(struct eng_mesh *mesh)
     struct derived derived = {.info = mesh->info};
     struct by_vertex by = {.first =
                                eng_alloc((size_t)counts->vertices + 1, sizeof *by.first),
-                           .entry = eng_alloc((size_t)named * 3, sizeof *by.entry)};
+                           .entry = eng_alloc((size_t)named * 3 + 1, sizeof *by.entry)};
     uint8_t *seen = eng_alloc(counts->vertices, 1);
     if (by.first && by.entry && seen) {
         status = derive(mesh, named, &by, seen, &derived);

@@ -261,17 +261,26 @@ struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x
     return bounds;
 }
 
+static double square_of(const double *x, const double *middle)
+{
+    double way[3];
+    eng_sub(way, x, middle);
+    return eng_dot(way, way);
+}
+
 /* Return at least how far corners of leaves are from the middle of their bounds. */
 static double radius_of(const struct eng_mesh *mesh)
 {
     double middle[3];
     double most = 0;
+    bool is_all = mesh->info.isolated_count == 0;
     eng_mesh_middle(mesh, middle);
-    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
+    for (uint32_t i = 0; is_all && i < mesh->info.vertex_count; i++) {
+        most = eng_most(most, square_of(mesh->x[i], middle));
+    }
+    for (uint32_t i = 0; !is_all && i < mesh->leaf_count; i++) {
         for (int k = 0; k < 3; k++) {
-            double way[3];
-            eng_sub(way, mesh->x[mesh->leaves[i].v[k]], middle);
-            most = eng_most(most, eng_dot(way, way));
+            most = eng_most(most, square_of(mesh->x[mesh->leaves[i].v[k]], middle));
         }
     }
     return sqrt(most) * (1 + 8 * ENG_U) + LOST;

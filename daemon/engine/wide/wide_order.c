@@ -13,6 +13,7 @@
 #include "boxes.h"
 #include "kernel.h"
 #include "memory.h"
+#include "parallel.h"
 #include "topology.h"
 
 /* ---- the pieces of a mesh ---------------------------------------------------------- */
@@ -381,26 +382,80 @@ static bool is_plain(const struct eng_box_frame *frame)
            frame->scale == 1;
 }
 
-/* The features of a tree to the next places of their pieces. */
-static void list(const struct making *making, const struct eng_mesh *mesh,
-                 struct eng_wide_positions positions, enum pccd_tree kind,
+/* Lists features of a mesh at positions, `in_place` where the frame changes no
+ * coordinate. */
+struct listing {
+    const struct making *making;
+    const struct eng_mesh *mesh;
+    struct eng_wide_positions positions;
+    bool in_place;
+};
+
+/* Return the item of a feature with `corners` vertices. */
+static inline struct eng_split_item list_one(const struct listing *listing,
+                                             uint32_t corners, uint32_t i)
+{
+    const struct eng_mesh *mesh = listing->mesh;
+    const uint32_t *v = corners == 1   ? &i
+                        : corners == 2 ? mesh->edges[i]
+                                       : mesh->leaves[i].v;
+    return listing->in_place ? item_in_place(listing->positions.x, v, corners, i)
+                             : item_of(listing->positions, v, corners, i);
+}
+
+/* The features of one piece that is the mesh: a part of several. */
+static void list_part(const struct listing *listing, enum pccd_tree kind, uint32_t count,
+                      uint32_t part, uint32_t parts, struct eng_split_item *items)
+{
+    uint32_t i = (uint32_t)((uint64_t)count * part / parts);
+    uint32_t end = (uint32_t)((uint64_t)count * (part + 1) / parts);
+    switch (kind) { /* so that each loop is compiled with its number of corners */
+    case PCCD_TREE_VERTICES:
+        for (; i < end; i++) {
+            items[i] = list_one(listing, 1, i);
+        }
+        break;
+    case PCCD_TREE_EDGES:
+        for (; i < end; i++) {
+            items[i] = list_one(listing, 2, i);
+        }
+        break;
+    default:
+        for (; i < end; i++) {
+            items[i] = list_one(listing, 3, i);
+        }
+    }
+}
+
+/* List the features of a tree at the next places of their pieces. */
+static void list(const struct listing *listing, enum pccd_tree kind,
                  struct eng_split_item *items)
 {
-    bool in_place = is_plain(positions.frame);
-    uint32_t count = kind == PCCD_TREE_VERTICES ? mesh->info.vertex_count
-                     : kind == PCCD_TREE_EDGES  ? mesh->info.edge_count
-                                                : mesh->info.triangle_count;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t *v = kind == PCCD_TREE_VERTICES ? &i
-                            : kind == PCCD_TREE_EDGES  ? mesh->edges[i]
-                                                       : mesh->leaves[i].v;
-        if (kind == PCCD_TREE_VERTICES && making->of[i] == NO_PIECE) {
-            continue;
+    const struct making *making = listing->making;
+    const struct eng_mesh_info *info = &listing->mesh->info;
+    uint32_t count = kind == PCCD_TREE_VERTICES ? info->vertex_count
+                     : kind == PCCD_TREE_EDGES  ? info->edge_count
+                                                : info->triangle_count;
+    if (making->piece_count == 1 &&
+        (kind != PCCD_TREE_VERTICES || info->isolated_count == 0)) {
+        struct eng_parallel region = eng_parallel_open();
+        uint32_t parts = (uint32_t)making->team;
+#pragma omp parallel for num_threads(making->team) if (making->team > 1)
+        for (uint32_t part = 0; part < parts; part++) {
+            ENG_PARALLEL_JOIN(region);
+            list_part(listing, kind, count, part, parts, items);
         }
-        uint32_t piece = making->piece_count > 1 ? making->of[v[0]] : 0;
-        items[making->next[piece]++] =
-            in_place ? item_in_place(positions.x, v, (uint32_t)kind + 1, i)
-                     : item_of(positions, v, (uint32_t)kind + 1, i);
+        eng_parallel_close();
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t v = kind == PCCD_TREE_VERTICES ? i
+                     : kind == PCCD_TREE_EDGES  ? listing->mesh->edges[i][0]
+                                                : listing->mesh->leaves[i].v[0];
+        if (making->of[v] != NO_PIECE) {
+            uint32_t piece = making->piece_count > 1 ? making->of[v] : 0;
+            items[making->next[piece]++] = list_one(listing, (uint32_t)kind + 1, i);
+        }
     }
 }
 
@@ -408,6 +463,7 @@ static void list(const struct making *making, const struct eng_mesh *mesh,
 static void sort_trees(struct making *making, struct eng_wide_order *made,
                        const struct eng_mesh *mesh, struct eng_wide_positions positions)
 {
+    const struct listing listing = {making, mesh, positions, is_plain(positions.frame)};
     uint32_t *ids = made->feature[0]; /* the trees follow each other */
     size_t first = 0;
     uint32_t parts = 0;
@@ -421,7 +477,7 @@ static void sort_trees(struct making *making, struct eng_wide_order *made,
         for (uint32_t i = 0; made->piece_of && i < made->count[kind]; i++) {
             made->feature[kind][i] = ENG_WIDE_NO_FEATURE; /* most are replaced */
         }
-        list(making, mesh, positions, kind, items);
+        list(&listing, kind, items);
         first += made->count[kind];
         if (making->team == 1 || kind + 1 == ENG_WIDE_TREES) {
             eng_wide_sort_parts(making->items, making->parts, parts, making->team,
