@@ -263,8 +263,7 @@ int ranks_local_put_nothing(struct pccd_mpi *world, uint32_t *mesh)
                                         .points = point,
                                         .point_count = 1};
     int status = pccd_mesh_put(world->client, &data, mesh, NULL);
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "a mesh was not accepted");
+    return ranks_local_status(world, status, "a mesh was not accepted");
 }
 
 /* local->named: triangles, then free edges, then points: pack the latter two to arrays of
@@ -303,7 +302,7 @@ static int put(struct pccd_mpi *world, struct ranks_object *object, const double
     }
     status = pccd_mesh_put(world->client, &data, &object->local_mesh, &info);
     if (status != PCCD_OK) {
-        return ranks_fail_local(world, status, "its part of a mesh was not accepted");
+        return ranks_local_status(world, status, "its part of a mesh was not accepted");
     }
     if (info.edge_count != local->edge_count) {
         return ranks_fail(&world->link, PCCD_E_INTERNAL,
@@ -315,9 +314,7 @@ static int put(struct pccd_mpi *world, struct ranks_object *object, const double
     }
     status = cli_mpi_own(world->client, object->local_mesh, local->owns_vertex,
                          local->owns_edge);
-    return status == PCCD_OK
-               ? PCCD_OK
-               : ranks_fail_local(world, status, "its part of a mesh was not marked");
+    return ranks_local_status(world, status, "its part of a mesh was not marked");
 }
 
 int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object)
@@ -332,9 +329,7 @@ int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object)
         settings.self_collision = false;
     }
     int status = pccd_object_set(world->client, world->scene, object->handle, &settings);
-    return status == PCCD_OK
-               ? PCCD_OK
-               : ranks_fail_local(world, status, "an object was not changed");
+    return ranks_local_status(world, status, "an object was not changed");
 }
 
 int ranks_local_register(struct pccd_mpi *world, struct ranks_object *object,

@@ -34,7 +34,7 @@ static int check_objects(struct pccd_mpi *world, const struct pccd_near_settings
         if (objects[side] != 0 && side >= common_near_names_objects(near->what)) {
             return ranks_fail(&world->link, PCCD_E_INVAL,
                               "object_%c is %" PRIu32 ", and what = %u is asked of all",
-                              "ab"[side], objects[side], (unsigned)near->what);
+                              "ab"[side], objects[side], (unsigned)near -> what);
         }
         if (objects[side] != 0 && ranks_find_object(world, objects[side]) == NULL) {
             return ranks_fail(&world->link, PCCD_E_HANDLE,

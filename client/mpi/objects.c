@@ -29,9 +29,7 @@ static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
     if (status == PCCD_OK) {
         status =
             pccd_scene_add(world->client, world->scene, made->local_mesh, &made->handle);
-        if (status != PCCD_OK) {
-            status = ranks_fail_local(world, status, "no object");
-        }
+        status = ranks_local_status(world, status, "no object");
     }
     if (status == PCCD_OK) {
         status = ranks_local_show(world, made);
@@ -125,9 +123,8 @@ int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object)
         if (status == PCCD_OK) {
             status = pccd_mesh_destroy(world->client, found->local_mesh);
         }
-        status = ranks_agree_on(
-            &world->link,
-            status == PCCD_OK ? PCCD_OK : ranks_fail_local(world, status, "not removed"));
+        status = ranks_agree_on(&world->link,
+                                ranks_local_status(world, status, "not removed"));
         forget_object(world, found);
     }
     return status;
@@ -224,9 +221,8 @@ int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t obj
         return status;
     }
     status = pccd_pair_ignore(world->client, world->scene, object_a, object_b, ignored);
-    status = ranks_agree_on(
-        &world->link,
-        status == PCCD_OK ? PCCD_OK : ranks_fail_local(world, status, "not ignored"));
+    status =
+        ranks_agree_on(&world->link, ranks_local_status(world, status, "not ignored"));
     if (status == PCCD_OK && ignored && !ranks_are_ignored(world, object_a, object_b)) {
         world->ignored[world->ignored_count++] = (struct ranks_pair){object_a, object_b};
     }

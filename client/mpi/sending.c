@@ -82,8 +82,7 @@ static int begin_frame(struct pccd_mpi *world, const struct ranks_sending *sendi
             drop_frame(world, sending, frame);
         }
     }
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "no frame of libpccd");
+    return ranks_local_status(world, status, "no frame of libpccd");
 }
 
 int ranks_sending_make(struct pccd_mpi *world, const struct ranks_sending *sending,

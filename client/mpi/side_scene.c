@@ -130,9 +130,7 @@ static int add_object(struct pccd_mpi *world, uint32_t scene, const double *radi
     if (status == PCCD_OK) {
         status = pccd_object_set(world->client, scene, object->handle, &settings);
     }
-    return status == PCCD_OK
-               ? PCCD_OK
-               : ranks_fail_local(world, status, "no object of a scene beside");
+    return ranks_local_status(world, status, "no object of a scene beside");
 }
 
 /* Handles are in the order of those in the world. */
@@ -167,9 +165,7 @@ static int ignore_pairs(struct pccd_mpi *world, uint32_t scene,
             status = pccd_pair_ignore(world->client, scene, a, b, true);
         }
     }
-    return status == PCCD_OK
-               ? PCCD_OK
-               : ranks_fail_local(world, status, "not ignored in a scene beside");
+    return ranks_local_status(world, status, "not ignored in a scene beside");
 }
 
 /* ---- the answer -------------------------------------------------------------------- */
@@ -235,7 +231,7 @@ static int take_pages(struct pccd_mpi *world, uint32_t scene, struct pccd_answer
         }
         status = pccd_fetch(world->client, scene, answer->step, cursor, &page);
         if (status != PCCD_OK) {
-            return ranks_fail_local(world, status, "a page of records did not come");
+            return ranks_local_status(world, status, "a page of records did not come");
         }
     }
 }
@@ -264,7 +260,7 @@ static int ask(struct pccd_mpi *world, uint32_t scene,
     here.at_begin = false;
     int status = pccd_ask_near(world->client, scene, NULL, 0, &here, &answer);
     if (status != PCCD_OK) {
-        return ranks_fail_local(world, status, "the question failed");
+        return ranks_local_status(world, status, "the question failed");
     }
     side->answer = answer;
     side->answer.near = NULL;
@@ -282,7 +278,7 @@ static int ask_in_scene(struct pccd_mpi *world, const struct pccd_near_settings 
     uint32_t scene = 0;
     int status = pccd_scene_create(world->client, NULL, &scene);
     if (status != PCCD_OK) {
-        return ranks_fail_local(world, status, "no scene beside");
+        return ranks_local_status(world, status, "no scene beside");
     }
     status = add_objects(world, scene, radii, side);
     if (status == PCCD_OK) {
@@ -299,7 +295,7 @@ static int ask_in_scene(struct pccd_mpi *world, const struct pccd_near_settings 
     }
     return status != PCCD_OK || ended == PCCD_OK
                ? status
-               : ranks_fail_local(world, ended, "a scene beside does not end");
+               : ranks_local_status(world, ended, "a scene beside does not end");
 }
 
 int ranks_side_scene_ask(struct pccd_mpi *world, const struct ranks_remote_leaf *leaves,

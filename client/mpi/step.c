@@ -254,7 +254,7 @@ static int take_pages(struct pccd_mpi *world, struct pccd_answer *answer)
         }
         status = pccd_fetch(world->client, world->scene, answer->step, cursor, &page);
         if (status != PCCD_OK) {
-            return ranks_fail_local(world, status, "a page of records did not come");
+            return ranks_local_status(world, status, "a page of records did not come");
         }
     }
 }
@@ -283,8 +283,7 @@ static int commit(struct pccd_mpi *world, const struct ranks_moment *moment,
         status = pccd_wait(world->client, step, -1, answer);
     }
     answer->number -= world->weighings;
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "the step failed");
+    return ranks_local_status(world, status, "the step failed");
 }
 
 static int compute(struct pccd_mpi *world, const struct ranks_moment *moment,
@@ -362,7 +361,7 @@ static int count_pairs(struct pccd_mpi *world, const struct ranks_moment *moment
     }
     ranks_pairs_count_end(world);
     if (status != PCCD_OK) {
-        return ranks_fail_local(world, status, "the leaves were not weighed");
+        return ranks_local_status(world, status, "the leaves were not weighed");
     }
     pccd_answer_release(world->client, answer);
     return PCCD_OK;
@@ -457,7 +456,7 @@ static int answer_nothing(struct pccd_mpi *world, const struct ranks_moment *mom
     (void)cli_mpi_write(world->client, NULL, NULL);
     int status = pccd_frame_begin(world->client, world->scene, 0, 0, &frame);
     status = status == PCCD_OK ? commit(world, moment, &frame, &said)
-                               : ranks_fail_local(world, status, "no frame of libpccd");
+                               : ranks_local_status(world, status, "no frame of libpccd");
     status = ranks_agree_on(&world->link, status);
     *answer = (struct pccd_answer){.mode = moment->settings.mode,
                                    .method = said.method,

@@ -29,9 +29,12 @@ int ranks_agree_memory(struct pccd_mpi *world, bool has_memory)
     return ranks_agree_on(&world->link, has_memory ? PCCD_OK : ranks_no_memory(world));
 }
 
-int ranks_fail_local(struct pccd_mpi *world, int status, const char *what)
+int ranks_local_status(struct pccd_mpi *world, int status, const char *what)
 {
     const char *text = pccd_error_text(world->client);
+    if (status == PCCD_OK) {
+        return PCCD_OK;
+    }
     return ranks_fail(&world->link, status, "rank %d: %s: %.300s", world->link.rank, what,
                       text[0] != '\0' ? text : pccd_status_text(status));
 }
@@ -262,8 +265,7 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
     if (status == PCCD_OK && info.threads_max < world->threads) {
         world->threads = info.threads_max;
     }
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "no scene of libpccd");
+    return ranks_local_status(world, status, "no scene of libpccd");
 }
 
 /* A rank may have all that is kept. */
@@ -272,9 +274,7 @@ static int raise_limit(struct pccd_mpi *world)
     char text[32];
     snprintf(text, sizeof text, "%" PRIu64, world->record_limit);
     int status = pccd_config_set(world->client, "contacts-max", text);
-    return status == PCCD_OK
-               ? PCCD_OK
-               : ranks_fail_local(world, status, "record_limit is not accepted");
+    return ranks_local_status(world, status, "record_limit is not accepted");
 }
 
 static int open_world(struct pccd_mpi *world, MPI_Comm comm,
