@@ -155,10 +155,7 @@ unsigned char *bench_shared_new(size_t bytes)
     if (fd >= 0 && ftruncate(fd, (off_t)bytes) == 0) {
         map = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd, 0);
     }
-    if (map == MAP_FAILED) {
-        perror("bench: memfd");
-        exit(2);
-    }
+    bench_need(map != MAP_FAILED, "memfd");
     close(fd);
     return map;
 }

@@ -28,14 +28,6 @@
 static struct test_daemon daemon_;
 static unsigned repeats;
 
-static void must(bool good, const char *what)
-{
-    if (!good) {
-        fprintf(stderr, "connect: %s\n", what);
-        exit(2);
-    }
-}
-
 /* A row beside what was asked for. */
 static void row(const char *scene, const char *what, const char *unit,
                 struct bench_samples *samples, double asked)
@@ -52,7 +44,7 @@ static struct pccd_client *connect_by_default(void)
     struct pccd_client *client = NULL;
     memset(&options, 0, sizeof options);
     options.url = daemon_.url;
-    must(pccd_connect(&options, &client) == 0, "pccd_connect");
+    bench_need(pccd_connect(&options, &client) == 0, "pccd_connect");
     return client;
 }
 
@@ -63,9 +55,10 @@ static void attach(void)
     static struct test_raw raw;
     struct bench_samples ms = {NULL, 0, 0};
     for (unsigned i = 0; i < repeats; i++) {
-        must(test_raw_open(&raw, daemon_.socket) && test_raw_hello(&raw) == 0, "hello");
+        bench_need(test_raw_open(&raw, daemon_.socket) && test_raw_hello(&raw) == 0,
+                   "hello");
         uint64_t begin_ns = common_now_ns();
-        must(test_raw_attach(&raw, SLOT_COUNT, SLOT_BYTES) == 0, "shm.attach");
+        bench_need(test_raw_attach(&raw, SLOT_COUNT, SLOT_BYTES) == 0, "shm.attach");
         bench_add(&ms, (double)(common_now_ns() - begin_ns) * 1e-6);
         test_raw_close(&raw);
     }
@@ -130,12 +123,12 @@ static void first_answer(void)
 static void write_triangles(const char *path, double height)
 {
     FILE *file = fopen(path, "w");
-    must(file != NULL, path);
+    bench_need(file != NULL, path);
     fprintf(file,
             "v -9 -9 0\nv 9 -9 0\nv 0 9 0\nv -1 0 %g\nv 1 0 %g\nv 0 1 %g\n"
             "f 1 2 3\nf 4 5 6\n",
             height, height, height);
-    must(fclose(file) == 0, path);
+    bench_need(fclose(file) == 0, path);
 }
 
 /* Run it once, silently; it finds something. */
@@ -151,7 +144,7 @@ static void run_check(char *const *arguments, double *ms, double *mib)
         }
         _exit(127);
     }
-    must(child > 0 && wait4(child, &status, 0, &usage) == child, "pccdctl");
+    bench_need(child > 0 && wait4(child, &status, 0, &usage) == child, "pccdctl");
     *ms = (double)(common_now_ns() - begin_ns) * 1e-6;
     *mib = (double)usage.ru_maxrss / KIB;
     bench_check(WIFEXITED(status) && WEXITSTATUS(status) == 1, "check", "exit status");
@@ -166,8 +159,8 @@ static void check(const char *name, const char *way, double asked_ms)
     char where[320];
     struct bench_samples ms = {NULL, 0, 0};
     struct bench_samples mib = {NULL, 0, 0};
-    must(getenv("PCCDCTL") != NULL, "PCCDCTL is not set");
-    must(mkdtemp(folder) != NULL, folder);
+    bench_need(getenv("PCCDCTL") != NULL, "PCCDCTL is not set");
+    bench_need(mkdtemp(folder) != NULL, folder);
     snprintf(program, sizeof program, "%s", getenv("PCCDCTL"));
     snprintf(where, sizeof where, "%s", way);
     snprintf(before, sizeof before, "%s/0.obj", folder);
@@ -185,7 +178,7 @@ static void check(const char *name, const char *way, double asked_ms)
     }
     row(name, "pccdctl check", "ms", &ms, asked_ms);
     row(name, "its memory at most", "MiB", &mib, 15);
-    must(unlink(before) == 0 && unlink(after) == 0 && rmdir(folder) == 0, folder);
+    bench_need(unlink(before) == 0 && unlink(after) == 0 && rmdir(folder) == 0, folder);
 }
 
 /* ---- the first step ---------------------------------------------------------------- */
@@ -195,9 +188,9 @@ static double turn_ms(struct test_grid *grid)
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     uint64_t begin_ns = common_now_ns();
-    must(test_grid_submit(grid, NULL, &step) == 0 &&
-             pccd_wait(grid->client, step, -1, &answer) == 0,
-         "a step");
+    bench_need(test_grid_submit(grid, NULL, &step) == 0 &&
+                   pccd_wait(grid->client, step, -1, &answer) == 0,
+               "a step");
     double ms = (double)(common_now_ns() - begin_ns) * 1e-6;
     bench_check(test_grid_is_right(grid, &answer), "first step", "contacts");
     pccd_answer_release(grid->client, &answer);
@@ -212,7 +205,7 @@ static void first_step(uint32_t side)
     for (unsigned i = 0; i < (repeats + 4) / 5; i++) {
         struct pccd_client *client = connect_by_default();
         struct test_grid grid;
-        must(test_grid_make(client, side, &grid) == 0, "test_grid_make");
+        bench_need(test_grid_make(client, side, &grid) == 0, "test_grid_make");
         double one = turn_ms(&grid);
         double two = turn_ms(&grid);
         bench_add(&sides[0].samples, one);
@@ -230,7 +223,7 @@ int section_connect(const struct section_options *section)
     const struct bench_options *options = &section->bench;
     char url[320];
     repeats = options->smoke ? 2 : 50;
-    must(test_daemon_start(&daemon_, NULL), "no daemon");
+    bench_need(test_daemon_start(&daemon_, NULL), "no daemon");
     bench_heading("to begin");
     if (bench_is_wanted(options, "attach")) {
         attach();
@@ -250,6 +243,6 @@ int section_connect(const struct section_options *section)
     if (bench_is_wanted(options, "first step")) {
         first_step(options->smoke ? 30 : SIDE_LARGE);
     }
-    must(test_daemon_finish(&daemon_), "the daemon's end");
+    bench_need(test_daemon_finish(&daemon_), "the daemon's end");
     return 0;
 }

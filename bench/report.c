@@ -1,6 +1,7 @@
 /* report.c - samples, their order statistics, and how they are printed. */
 #include "report.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -109,6 +110,24 @@ bool bench_check(bool holds, const char *scene, const char *what)
         fprintf(stderr, "%s: %s: wrong: %s\n", report.program, scene, what);
     }
     return holds;
+}
+
+void bench_need(bool holds, const char *what)
+{
+    if (!holds) {
+        fprintf(stderr, "%s: %s; the last error of the system: %s\n", report.program,
+                what, strerror(errno));
+        exit(2);
+    }
+}
+
+FILE *bench_create(const char *folder, const char *name)
+{
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    bench_need(file != NULL, path);
+    return file;
 }
 
 double bench_thread_ns(void)

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <time.h>
 
 #include "clock.h"
@@ -56,7 +57,13 @@ bool bench_is_wanted(const struct bench_options *options, const char *scene);
 /* A check that must hold before times are worth reporting. Returns `holds`. */
 bool bench_check(bool holds, const char *scene, const char *what);
 
-/* Exits with 2 when there is no memory: a measurement cannot go on without. */
+/* Exit with 2, after a message with the last error of the system, unless it holds: a
+ * measurement cannot go on without. */
+void bench_need(bool holds, const char *what);
+/* Begin a file in a folder; exits with 2 when it cannot. */
+FILE *bench_create(const char *folder, const char *name);
+
+/* Exits with 2 when there is no memory. */
 void bench_add(struct bench_samples *samples, double value);
 void bench_clear(struct bench_samples *samples);
 void bench_free(struct bench_samples *samples);

@@ -49,10 +49,8 @@ static double process_bytes(void)
 {
     unsigned long pages[2] = {0, 0};
     FILE *file = fopen("/proc/self/statm", "r");
-    if (!file || fscanf(file, "%lu %lu", &pages[0], &pages[1]) != 2) {
-        perror("/proc/self/statm");
-        exit(2);
-    }
+    bench_need(file && fscanf(file, "%lu %lu", &pages[0], &pages[1]) == 2,
+               "/proc/self/statm");
     fclose(file);
     return (double)pages[1] * (double)sysconf(_SC_PAGESIZE);
 }
@@ -61,10 +59,7 @@ static double process_bytes(void)
 static double kernel_ms(void)
 {
     struct rusage usage;
-    if (getrusage(RUSAGE_SELF, &usage) != 0) {
-        perror("getrusage");
-        exit(2);
-    }
+    bench_need(getrusage(RUSAGE_SELF, &usage) == 0, "getrusage");
     return 1e3 * (double)usage.ru_stime.tv_sec + 1e-3 * (double)usage.ru_stime.tv_usec;
 }
 
@@ -168,13 +163,7 @@ static struct growth measure(const struct bench_scene *scene, enum pccd_method m
 
 static FILE *begin(const struct options *options, const char *name)
 {
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s/%s", options->into, name);
-    FILE *csv = fopen(path, "w");
-    if (!csv) {
-        perror(path);
-        exit(2);
-    }
+    FILE *csv = bench_create(options->into, name);
     fputs("method,threads,triangles,contacts,candidates,box_tests,register_ms,"
           "register_kernel_ms,step_ms,refit_ms,traversal_ms,tests_ms,merge_ms,"
           "registered_bytes,scene_bytes,records_bytes,process_bytes,near_ms,"
@@ -206,14 +195,6 @@ static void write_row(FILE *csv, const char *method, const struct growth *growth
     fflush(stdout);
 }
 
-static void close_csv(FILE *csv)
-{
-    if (fclose(csv) != 0) {
-        perror("growth");
-        exit(2);
-    }
-}
-
 /* ---- sizes ------------------------------------------------------------------------- */
 
 static void grow_size(const struct options *options)
@@ -237,7 +218,7 @@ static void grow_size(const struct options *options)
             break;
         }
     }
-    close_csv(csv);
+    bench_need(fclose(csv) == 0, "a CSV file");
 }
 
 /* ---- contacts ---------------------------------------------------------------------- */
@@ -262,7 +243,7 @@ static void grow_contacts(const struct options *options)
         write_row(csv, "wide", &growth, options);
         bench_scene_free(&scene);
     }
-    close_csv(csv);
+    bench_need(fclose(csv) == 0, "a CSV file");
 }
 
 /* ---- options ----------------------------------------------------------------------- */

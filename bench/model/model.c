@@ -318,18 +318,6 @@ static void model_all(struct run *run)
 
 /* ---- options --------------------------------------------------------------------- */
 
-static FILE *create(const char *folder, const char *name)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "w");
-    if (!file) {
-        perror(path);
-        exit(2);
-    }
-    return file;
-}
-
 static const struct option_row option_rows[] = {
     {"sequences", 'q', NULL, "the sequences that tell the paper's scenes", OPTION_FLAG,
      .at = offsetof(struct options, has_sequences)},
@@ -351,11 +339,11 @@ int main(int argc, char **argv)
     eng_affinity_init(&run.affinity);
     model_costs_measure(&run.costs, &run.affinity);
     model_costs_print(&run.costs, stdout);
-    FILE *costs = create(run.options.folder, "machine.csv");
+    FILE *costs = bench_create(run.options.folder, "machine.csv");
     model_costs_print(&run.costs, costs);
     fclose(costs);
-    run.model = create(run.options.folder, "model.csv");
-    run.validation = create(run.options.folder, "validation.csv");
+    run.model = bench_create(run.options.folder, "model.csv");
+    run.validation = bench_create(run.options.folder, "validation.csv");
     fprintf(run.model,
             "scene,scheduler,high_level,p,speedup,ms,refit_ms,low_ms,high_ms,merge_ms,"
             "serial_ms,wait_ms,refit_work_ms,low_work_ms,high_work_ms,merge_work_ms,"

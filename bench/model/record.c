@@ -2,7 +2,6 @@
 #include "model.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,14 +15,6 @@
 #include "wide_state.h"
 #include "wide_test.h"
 #include "world.h"
-
-static void must(bool good, const char *what)
-{
-    if (!good) {
-        fprintf(stderr, "model: no memory for %s\n", what);
-        exit(2);
-    }
-}
 
 static double since(uint64_t begin_ns, double clock_ns)
 {
@@ -55,15 +46,15 @@ static struct eng_worker *begin(struct model_record *record)
     record->scene->step++;
     eng_pool_reset(&record->pool, 1);
     eng_stop_init(&record->stop, &record->settings);
-    must(eng_paper_work_reserve(worker, record->scene) == PCCD_OK, "queues");
+    bench_need(eng_paper_work_reserve(worker, record->scene) == PCCD_OK, "queues");
     eng_worker_begin(worker, record->scene, &record->settings, &record->stop,
                      &record->pool);
-    must(eng_narrow_reserve(worker, record->scene, &record->settings) == PCCD_OK,
-         "a narrow phase");
+    bench_need(eng_narrow_reserve(worker, record->scene, &record->settings) == PCCD_OK,
+               "a narrow phase");
     eng_narrow_begin(worker);
     eng_paper_work_begin(worker);
     if (record->method == PCCD_METHOD_WIDE) {
-        must(eng_wide_work_reserve(worker) == PCCD_OK, "a join");
+        bench_need(eng_wide_work_reserve(worker) == PCCD_OK, "a join");
     }
     eng_methods[record->method]->enter(worker);
     worker->thread = 0;
@@ -133,7 +124,7 @@ static void walk(struct model_record *record, perform_fn *perform,
     tasks->count = 0;
     for (;;) {
         first = model_tasks_add(tasks, count);
-        must(waiting + count <= capacity, "tasks that wait");
+        bench_need(waiting + count <= capacity, "tasks that wait");
         for (uint32_t i = 0; i < count; i++) {
             stack[waiting++] = (struct waiting){made[i], first + i};
             if (unit_of) {
@@ -187,7 +178,7 @@ void model_record_init(struct model_record *record)
     record->settings.contact_max = UINT32_MAX;
     record->settings.method = record->method;
     record->worker = eng_alloc(1, sizeof *record->worker);
-    must(record->worker != NULL, "a worker");
+    bench_need(record->worker != NULL, "a worker");
     eng_worker_init(record->worker);
     eng_pool_init(&record->pool);
     record->roots = bench_alloc(ENG_DEQUE_MAX, sizeof *record->roots);
@@ -244,10 +235,10 @@ static void refit_paper(struct model_division *division, struct model_record *re
     struct eng_scene *scene = record->scene;
     struct eng_refit_plan plan = {0};
     uint64_t begin_ns;
-    must(eng_refit_plan_features(&plan, scene) == PCCD_OK &&
-             eng_refit_plan_tree(&plan, scene, ENG_REFIT_EVEN, division->threads) ==
-                 PCCD_OK,
-         "a plan of the refit");
+    bench_need(eng_refit_plan_features(&plan, scene) == PCCD_OK &&
+                   eng_refit_plan_tree(&plan, scene, ENG_REFIT_EVEN, division->threads) ==
+                       PCCD_OK,
+               "a plan of the refit");
     for (uint32_t i = 0; i < plan.vertices.count; i++) {
         begin_ns = common_now_ns();
         eng_refit_vertices(scene, plan.vertices.ranges[i]);
@@ -304,7 +295,7 @@ static void record_high(struct model_division *division, struct model_record *re
                             .workers = workers,
                             .count = division->threads,
                             .method = &eng_method_paper};
-    must(eng_assignment_reserve(assignment, division->threads) == PCCD_OK, "seats");
+    bench_need(eng_assignment_reserve(assignment, division->threads) == PCCD_OK, "seats");
     for (uint32_t i = 0; i < division->threads; i++) {
         workers[i] = worker; /* what is dealt out comes to one queue, in order */
     }

@@ -12,9 +12,7 @@ uint32_t model_tasks_add(struct model_tasks *tasks, uint32_t count)
     if (tasks->count + count > tasks->capacity) {
         tasks->capacity = 2 * tasks->capacity + count + 64;
         tasks->items = realloc(tasks->items, tasks->capacity * sizeof *tasks->items);
-        if (tasks->items == NULL) {
-            exit(2);
-        }
+        bench_need(tasks->items != NULL, "no memory for tasks");
     }
     uint32_t first = tasks->count;
     memset(tasks->items + first, 0, count * sizeof *tasks->items);
@@ -124,9 +122,7 @@ static void push(struct list *list, uint32_t task, double made)
     if (list->first + list->count == list->capacity) {
         list->capacity = 2 * list->capacity + 64;
         list->entries = realloc(list->entries, list->capacity * sizeof *list->entries);
-        if (list->entries == NULL) {
-            exit(2);
-        }
+        bench_need(list->entries != NULL, "no memory for tasks");
     }
     list->entries[list->first + list->count++] = (struct entry){task, made};
 }

@@ -81,11 +81,9 @@ static void collide(void *state, struct peer_sink *sinks)
     struct eng_wide_sweep sweep;
     self->sinks = sinks;
     bool is_visited = self->is_named || sinks[0].is_summed;
-    if (eng_wide_sweep(self->world->scene, self->threads, is_visited ? visit : NULL, self,
-                       &sweep) != PCCD_OK) {
-        fprintf(stderr, "peers: the engine has no memory\n");
-        exit(2);
-    }
+    bench_need(eng_wide_sweep(self->world->scene, self->threads,
+                              is_visited ? visit : NULL, self, &sweep) == PCCD_OK,
+               "the engine has no memory");
     if (!is_visited) {
         sinks[0].count[PEER_VF] += sweep.counts[PCCD_VF];
         sinks[0].count[PEER_EE] += sweep.counts[PCCD_EE];

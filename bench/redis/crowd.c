@@ -1,5 +1,4 @@
 /* crowd.c - fifty connections with a ping each in flight. */
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,23 +23,17 @@ struct crowd {
     size_t answer_bytes;
 };
 
-static void fail(const char *what)
-{
-    fprintf(stderr, "bench-ipc: %s: %s\n", what, strerror(errno));
-    exit(2);
-}
-
 /* Say hello: who does not is closed after ten seconds. */
 static void say_hello(int fd)
 {
     static struct proto_encoder message;
     struct proto_HELLO_request hello = {.version_min = 1, .version_max = UINT32_MAX};
     char got[4096];
-    if (proto_encode_request(&message, 1, PROTO_METHOD_HELLO, &hello) != 0 ||
-        send(fd, message.data, message.bytes, MSG_NOSIGNAL) != (ssize_t)message.bytes ||
-        recv(fd, got, sizeof got, 0) <= 0) {
-        fail("hello");
-    }
+    bench_need(proto_encode_request(&message, 1, PROTO_METHOD_HELLO, &hello) == 0 &&
+                   send(fd, message.data, message.bytes, MSG_NOSIGNAL) ==
+                       (ssize_t)message.bytes &&
+                   recv(fd, got, sizeof got, 0) > 0,
+               "hello");
 }
 
 static int connect_daemon(const char *url)
@@ -48,9 +41,8 @@ static int connect_daemon(const char *url)
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     snprintf(address.sun_path, sizeof address.sun_path, "%s", url + strlen("unix:"));
-    if (fd < 0 || connect(fd, (struct sockaddr *)&address, sizeof address) != 0) {
-        fail(url);
-    }
+    bench_need(fd >= 0 && connect(fd, (struct sockaddr *)&address, sizeof address) == 0,
+               url);
     say_hello(fd);
     return fd;
 }
@@ -60,10 +52,9 @@ static void watch_all(struct crowd *crowd)
     crowd->epoll = epoll_create1(EPOLL_CLOEXEC);
     for (uint32_t i = 0; i < CLIENTS; i++) {
         struct epoll_event event = {.events = EPOLLIN, .data.u32 = i};
-        if (crowd->epoll < 0 ||
-            epoll_ctl(crowd->epoll, EPOLL_CTL_ADD, crowd->fds[i], &event) != 0) {
-            fail("epoll");
-        }
+        bench_need(crowd->epoll >= 0 &&
+                       epoll_ctl(crowd->epoll, EPOLL_CTL_ADD, crowd->fds[i], &event) == 0,
+                   "epoll");
     }
 }
 
@@ -77,10 +68,9 @@ static void end(struct crowd *crowd)
 
 static void ask(const struct crowd *crowd, uint32_t i)
 {
-    if (send(crowd->fds[i], crowd->question, crowd->question_bytes, MSG_NOSIGNAL) !=
-        (ssize_t)crowd->question_bytes) {
-        fail(crowd->name);
-    }
+    bench_need(send(crowd->fds[i], crowd->question, crowd->question_bytes,
+                    MSG_NOSIGNAL) == (ssize_t)crowd->question_bytes,
+               crowd->name);
 }
 
 static void take_answer(const struct crowd *crowd, uint32_t i)
@@ -144,9 +134,8 @@ void rows_crowd(const struct rows *rows)
                           .answer = least_ping,
                           .answer_bytes = sizeof least_ping};
     struct pairs pairs[3] = {0};
-    if (proto_encode_request(&message, 1, PROTO_METHOD_PING, &ping) != 0) {
-        fail("encode");
-    }
+    bench_need(proto_encode_request(&message, 1, PROTO_METHOD_PING, &ping) == 0,
+               "encode");
     ours.question = message.data;
     ours.question_bytes = message.bytes;
     for (uint32_t i = 0; i < CLIENTS; i++) {

@@ -23,12 +23,6 @@
 
 const char least_ping[LEAST_MESSAGE_BYTES] = {0};
 
-static void fail(const char *what)
-{
-    fprintf(stderr, "bench-ipc: the least: %s: %s\n", what, strerror(errno));
-    exit(2);
-}
-
 /* ---- the server -------------------------------------------------------------------- */
 
 /* As the daemon's; without libseccomp that has none either. */
@@ -124,22 +118,17 @@ void least_start(struct least *least, size_t shared_bytes)
     *least = (struct least){.shared_bytes = (shared_bytes + 63) & ~(size_t)63};
     least->shared = mmap(NULL, mapped_bytes(least), PROT_READ | PROT_WRITE,
                          MAP_SHARED | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
-    if (least->shared == MAP_FAILED) {
-        fail("mmap");
-    }
+    bench_need(least->shared != MAP_FAILED, "mmap");
     least->copied_ns = (uint64_t *)(void *)(least->shared + least->shared_bytes);
     for (uint32_t i = 0; i < LEAST_CLIENTS; i++) {
         int pair[2];
-        if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) {
-            fail("socketpair");
-        }
+        bench_need(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) == 0,
+                   "socketpair");
         least->fds[i] = pair[0];
         theirs[i] = pair[1];
     }
     least->pid = fork();
-    if (least->pid < 0) {
-        fail("fork");
-    }
+    bench_need(least->pid >= 0, "fork");
     if (least->pid == 0) {
         for (uint32_t i = 0; i < LEAST_CLIENTS; i++) {
             close(least->fds[i]);
@@ -166,10 +155,10 @@ uint64_t least_ask(const struct least *least, size_t copy_bytes)
     int fd = least->fds[LEAST_CLIENTS - 1];
     uint64_t message = copy_bytes;
     uint64_t answer = 1;
-    if (send(fd, &message, sizeof message, MSG_NOSIGNAL) != (ssize_t)sizeof message ||
-        recv(fd, &answer, sizeof answer, 0) != (ssize_t)sizeof answer ||
-        answer != message) {
-        fail("no answer");
-    }
+    bench_need(send(fd, &message, sizeof message, MSG_NOSIGNAL) ==
+                       (ssize_t)sizeof message &&
+                   recv(fd, &answer, sizeof answer, 0) == (ssize_t)sizeof answer &&
+                   answer == message,
+               "the least server does not answer");
     return *least->copied_ns;
 }

@@ -112,10 +112,7 @@ void redis_stop(struct redis *redis)
 int redis_connect(const struct redis *redis)
 {
     int fd = try_connect(redis);
-    if (fd < 0) {
-        perror(redis->socket);
-        exit(2);
-    }
+    bench_need(fd >= 0, redis->socket);
     return fd;
 }
 
