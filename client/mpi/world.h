@@ -217,8 +217,8 @@ uint32_t ranks_place_of_object(const struct pccd_mpi *world, uint32_t handle);
  * was. */
 void **ranks_room_for_one(void **array, uint32_t count);
 
-/* Return `status`, of the last call of libpccd; if it has failed, set the error to that and
- * why. */
+/* Return `status`, of the last call of libpccd; if it has failed, set the error to that
+ * and why. */
 int ranks_local_status(struct pccd_mpi *world, int status, const char *what);
 /* Set the error to "out of memory". Returns PCCD_E_NOMEM. */
 int ranks_no_memory(struct pccd_mpi *world);
