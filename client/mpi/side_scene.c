@@ -222,11 +222,12 @@ static int take_pages(struct pccd_mpi *world, uint32_t scene, struct pccd_answer
     struct pccd_answer page = *answer;
     for (;;) {
         uint64_t cursor = page.cursor;
-        bool has_more = page.incomplete == PCCD_INCOMPLETE_RESULT_FULL;
         int status = take_page(world, side, &page);
         pccd_answer_release(world->client, &page);
-        side->answer.incomplete = has_more ? PCCD_COMPLETE : page.incomplete;
-        if (status != PCCD_OK || !has_more || cursor >= answer->total) {
+        side->answer.incomplete = page.incomplete == PCCD_INCOMPLETE_RESULT_FULL
+                                      ? PCCD_COMPLETE
+                                      : page.incomplete;
+        if (status != PCCD_OK || cursor >= answer->total) {
             return status;
         }
         status = pccd_fetch(world->client, scene, answer->step, cursor, &page);

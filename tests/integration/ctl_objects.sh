@@ -79,6 +79,13 @@ check 1 --result-bytes 65536 heap0.obj heap1.obj && grep -qx 'between    40 pair
     check 1 --json heap0.obj heap1.obj && [ "$(grep -c '"b": "Needle' out)" -eq 40 ]
 report objects__of_a_heap_are_told_in_part
 
+# If it failed, of what the daemon keeps where there is more, the first page alone would be told.
+start_daemon few --contacts-max 3000
+ctl check --url "unix:$work/few" --result-bytes 65536 --thickness 0.6 --contacts few.csv heap0.obj heap1.obj
+grep -q 'INCOMPLETE: .*keeps' out && [ "$(wc -l <few.csv)" -eq 3001 ]
+report contacts__that_are_kept_are_told_to_the_last
+kill "$daemon"
+
 # If it failed, two bodies that touch corner to corner would be taken for free, without a word; or
 # two names be one.
 cat >touch.obj <<'END'

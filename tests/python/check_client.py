@@ -336,6 +336,13 @@ class Pages(Case):
         self.assertEqual(b"".join(got), want)
         little.client.step_x1(little.scene, little.cloth, cloth(60)).release()
         self.fails(pccd.Status.E_STATE, little.client.fetch, little.scene, answer.step, 0)
+        self.client.config_set("contacts-max", "2000")  # more than a page, and not all
+        answer = little.client.step_x1(little.scene, little.cloth, cloth(60, 0.5))
+        self.client.config_set("contacts-max", "16777216")
+        self.assertEqual((answer.incomplete, answer.total),
+                         (pccd.Incomplete.CONTACT_LIMIT, 2000))
+        self.assertEqual(sum(page.count for page in
+                             little.client.pages(little.scene, answer)), 2000)
 
     # If this failed, a page would be overwritten while somebody reads it, or never again.
     def test_pages__are_released_in_any_order(self):

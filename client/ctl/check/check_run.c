@@ -86,8 +86,7 @@ static int take_pages(struct check_run *run, const struct check_ask *ask, bool i
     int status = PCCD_OK;
     for (;;) {
         uint64_t cursor = page.cursor;
-        bool is_last =
-            page.incomplete != PCCD_INCOMPLETE_RESULT_FULL || cursor >= answer->total;
+        bool is_last = cursor >= answer->total;
         if (is_shown) {
             ask->page(ask->context, &page);
         }

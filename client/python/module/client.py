@@ -20,7 +20,7 @@ from typing import (Any, Deque, Dict, Iterable, Iterator, Optional, Sequence, Tu
 from numpy.typing import ArrayLike, NDArray
 
 from . import abi
-from .abi import Format, Incomplete, NearWhat, Status
+from .abi import Format, NearWhat, Status
 from .answer import Answer
 from .batch import Batch, BatchAnswer, Part, new_answer
 from .frame import DEFAULT, Frame, Motions
@@ -350,7 +350,7 @@ class Client(Observe):
             with page:
                 yield page
             cursor = page.cursor
-            if page.incomplete != Incomplete.RESULT_FULL or cursor >= answer.total:
+            if cursor >= answer.total:
                 return
             page = self.fetch(scene, answer.step, cursor)
             if page.count == 0:
