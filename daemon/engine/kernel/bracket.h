@@ -210,35 +210,56 @@ struct eng_motion_lanes {
     eng_d size[3]; /* largest coordinate at both ends */
 };
 
-/* Set vectors and sizes of *motion from x[point][end], points as in struct eng_query. */
-ENG_INLINE void eng_motion_of(enum pccd_kind kind, struct eng_v x[4][2],
-                              struct eng_motion_lanes *motion)
+/* Set the sizes to those of the vectors. */
+ENG_INLINE void set_sizes(struct eng_motion_lanes *motion)
 {
-#pragma GCC unroll 2
-    for (int end = 0; end < 2; end++) {
-        struct eng_v *v = motion->v[end];
-        if (kind == PCCD_VF) {
-            v[0] = eng_v_sub(x[0][end], x[1][end]);
-            v[1] = eng_v_sub(x[0][end], x[2][end]);
-            v[2] = eng_v_sub(x[0][end], x[3][end]);
-        } else {
-            v[0] = eng_v_sub(x[2][end], x[0][end]);
-            v[1] = eng_v_sub(x[1][end], x[0][end]);
-            v[2] = eng_v_sub(x[2][end], x[3][end]);
-        }
-    }
 #pragma GCC unroll 3
     for (int k = 0; k < 3; k++) {
         motion->size[k] = eng_v_size_of_two(motion->v[0][k], motion->v[1][k]);
     }
 }
 
+/* Return a point of a pair: vector k is the first less the second, `which` 0 and 1. */
+ENG_INLINE int point_of(enum pccd_kind kind, int k, int which)
+{
+    static const int vf[3][2] = {{0, 1}, {0, 2}, {0, 3}};
+    static const int ee[3][2] = {{2, 0}, {1, 0}, {2, 3}};
+    return kind == PCCD_VF ? vf[k][which] : ee[k][which];
+}
+
+/* Set vectors and sizes of *motion from x[point][end], points as in struct eng_query. */
+ENG_INLINE void eng_motion_of(enum pccd_kind kind, struct eng_v x[4][2],
+                              struct eng_motion_lanes *motion)
+{
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            motion->v[end][k] =
+                eng_v_sub(x[point_of(kind, k, 0)][end], x[point_of(kind, k, 1)][end]);
+        }
+    }
+    set_sizes(motion);
+}
+
 ENG_INLINE void eng_motion_load(enum pccd_kind kind, const struct eng_group *group,
                                 struct eng_motion_lanes *motion)
 {
-    struct eng_v x[4][2];
-    eng_group_load(group, x);
-    eng_motion_of(kind, x, motion);
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        struct eng_difference d[ENG_D_LANES];
+        struct eng_v v[2];
+#pragma GCC unroll 8
+        for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
+            const uint32_t *quad = group->quad[lane];
+            d[lane] = eng_points_less(&group->points[quad[point_of(kind, k, 0)]],
+                                      &group->points[quad[point_of(kind, k, 1)]]);
+        }
+        eng_differences_turn(d, v);
+        motion->v[0][k] = v[0];
+        motion->v[1][k] = v[1];
+    }
+    set_sizes(motion);
 }
 
 /* The test of the domain in a bracket: do the parameters of the contact lie within both

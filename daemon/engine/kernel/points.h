@@ -116,6 +116,85 @@ ENG_INLINE struct eng_group eng_group_of(const struct eng_point *points,
     return group;
 }
 
+/* The difference of two points as they lie in memory: x, y, z and, of the words behind
+ * these, something without a meaning; at t = 0, then at t = 1. Four points have three
+ * differences, and so there is less to turn. */
+struct eng_difference {
+    eng_d part[8 / ENG_D_LANES];
+};
+
+/* Return a less b. */
+ENG_INLINE struct eng_difference eng_points_less(const struct eng_point *a,
+                                                 const struct eng_point *b)
+{
+    struct eng_difference d;
+    _Static_assert(sizeof d == sizeof *a, "of whole points");
+#pragma GCC unroll 8
+    for (int i = 0; i < 8 / ENG_D_LANES; i++) {
+        d.part[i] = eng_d_load((const double *)(const void *)a + i * ENG_D_LANES) -
+                    eng_d_load((const double *)(const void *)b + i * ENG_D_LANES);
+    }
+    return d;
+}
+
+/* Turn the differences of ENG_D_LANES pairs to a vector for each coordinate and end. */
+ENG_INLINE void eng_differences_turn(const struct eng_difference d[ENG_D_LANES],
+                                     struct eng_v out[2])
+{
+#if ENG_VECTOR_BYTES == 64
+    __m512d xz[4]; /* of two pairs: x, z at t = 0, then at t = 1 */
+    __m512d y[4];
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) {
+        __m512d a = (__m512d)d[2 * i].part[0];
+        __m512d b = (__m512d)d[2 * i + 1].part[0];
+        xz[i] = _mm512_unpacklo_pd(a, b);
+        y[i] = _mm512_unpackhi_pd(a, b);
+    }
+    __m512d xz0[2];
+    __m512d xz1[2];
+    __m512d y01[2];
+#pragma GCC unroll 2
+    for (int i = 0; i < 2; i++) {
+        xz0[i] = _mm512_shuffle_f64x2(xz[2 * i], xz[2 * i + 1], 0x44);
+        xz1[i] = _mm512_shuffle_f64x2(xz[2 * i], xz[2 * i + 1], 0xee);
+        y01[i] = _mm512_shuffle_f64x2(y[2 * i], y[2 * i + 1], 0x88);
+    }
+    out[0].x = (eng_d)_mm512_shuffle_f64x2(xz0[0], xz0[1], 0x88);
+    out[0].y = (eng_d)_mm512_shuffle_f64x2(y01[0], y01[1], 0x88);
+    out[0].z = (eng_d)_mm512_shuffle_f64x2(xz0[0], xz0[1], 0xdd);
+    out[1].x = (eng_d)_mm512_shuffle_f64x2(xz1[0], xz1[1], 0x88);
+    out[1].y = (eng_d)_mm512_shuffle_f64x2(y01[0], y01[1], 0xdd);
+    out[1].z = (eng_d)_mm512_shuffle_f64x2(xz1[0], xz1[1], 0xdd);
+#else
+    const int parts = 4 / ENG_D_LANES; /* of an end */
+#pragma GCC unroll 2
+    for (int end = 0; end < 2; end++) {
+        const int at = end * parts;
+#if ENG_VECTOR_BYTES == 32
+        __m256d xz[2]; /* of two pairs */
+        __m256d y[2];
+#pragma GCC unroll 2
+        for (int i = 0; i < 2; i++) {
+            __m256d a = (__m256d)d[2 * i].part[at];
+            __m256d b = (__m256d)d[2 * i + 1].part[at];
+            xz[i] = _mm256_unpacklo_pd(a, b);
+            y[i] = _mm256_unpackhi_pd(a, b);
+        }
+        out[end].x = (eng_d)_mm256_permute2f128_pd(xz[0], xz[1], 0x20);
+        out[end].y = (eng_d)_mm256_permute2f128_pd(y[0], y[1], 0x20);
+        out[end].z = (eng_d)_mm256_permute2f128_pd(xz[0], xz[1], 0x31);
+#elif ENG_VECTOR_BYTES == 16
+        out[end].x = __builtin_shufflevector(d[0].part[at], d[1].part[at], 0, 2);
+        out[end].y = __builtin_shufflevector(d[0].part[at], d[1].part[at], 1, 3);
+        out[end].z = __builtin_shufflevector(d[0].part[at + 1], d[1].part[at + 1], 0, 2);
+#else
+        out[end] = (struct eng_v){d->part[at], d->part[at + 1], d->part[at + 2]};
+#endif
+    }
+#endif
+}
+
 /* Load the four points of each pair at both ends of the step: x[point][end]. */
 ENG_INLINE void eng_group_load(const struct eng_group *group, struct eng_v x[4][2])
 {
