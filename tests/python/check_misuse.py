@@ -417,7 +417,7 @@ class Arguments(Case):
         for options in ({"slot_count": 1 << 32}, {"spin_us": -1}, {"timeout": 1e10},
                         {"timeout": float("nan")}, {"reconnect": float("inf")},
                         {"result_bytes": -1}, {"slot_bytes": "large"},
-                        {"daemons_max": 1 << 31}):
+                        {"daemons_max": 1 << 31}, {"keep": "no"}, {"observes": "no"}):
             self.fails(invalid, pccd.connect, self.owner.url, **options)
         for options in ({"threads": 1.5}, {"threads": 1 << 32}, {"deadline_ns": -1},
                         {"deadline_ns": None}, {"tolerance": "small"}, {"tuning": 7}):
@@ -431,6 +431,7 @@ class Arguments(Case):
                            {"rest_rings": 1.5}, {"radius": float("nan")},
                            {"self_collision": "off"}):
             self.fails(invalid, self.client.object_set, scene, tent, **attributes)
+        self.fails(invalid, self.client.pair_ignore, scene, tent, 7, "no")
         for objects in ([-1], [tent + 0.5], [1 << 32]):
             self.fails(invalid, self.client.user_data, scene, objects)
         self.fails(invalid, self.client.record_start, "never", max_bytes=-1)

@@ -29,7 +29,7 @@ from .memory import Memory
 from .observe import Observe
 from .scenes import SLICE_MS
 from .values import (LinkInfo, StepSettings, format_of, milliseconds, near_settings,
-                     pack_vertices, put, refusal, u32)
+                     pack_vertices, put, refusal, truth, u32)
 
 # Of every step: without types, which makes a call quicker by half. Whatever is passed is
 # an int of 32 bits or an object of ctypes.
@@ -411,8 +411,10 @@ def connect(url: Optional[str] = None, *, private: bool = False,
     put(options, "timeout_ms", milliseconds("timeout", timeout))
     put(options, "reconnect_ms", milliseconds("reconnect", reconnect))
     put(options, "daemons_max", daemons_max)
-    options.no_autostart, options.private_daemon = not autostart, bool(private)
-    options.no_keep, options.observes = not keep, bool(observes)
+    options.no_autostart = not truth("autostart", autostart)
+    options.private_daemon = truth("private", private)
+    options.no_keep = not truth("keep", keep)
+    options.observes = truth("observes", observes)
     for what, value in (("slot_count", slot_count), ("slot_bytes", slot_bytes),
                         ("result_bytes", result_bytes), ("spin_us", spin_us)):
         if value is not None and (value or what == "spin_us"):

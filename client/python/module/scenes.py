@@ -23,7 +23,7 @@ from .library import PccdError, failure, lib, new_turn
 from .points import Bodies, Shape
 from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, enumerator,
                      format_of, object_settings, pack_indices, pack_vertices,
-                     real_numbers, refusal, u32, with_size)
+                     real_numbers, refusal, truth, u32, with_size)
 
 SLICE_MS = 200  # of a wait: between two, Python sees to signals
 
@@ -281,7 +281,8 @@ class Scenes:
         E_LIMIT; E_ACCESS: neither is ours."""
         self._check(lib.pccd_pair_ignore(self._handle, u32("scene", scene),
                                          u32("object_a", object_a),
-                                         u32("object_b", object_b), bool(ignored)))
+                                         u32("object_b", object_b),
+                                         truth("ignored", ignored)))
 
     def pair_clearance(self, scene: int, object_a: int, object_b: int,
                        clearance: float) -> None:

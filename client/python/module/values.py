@@ -203,8 +203,8 @@ def put(struct: Any, name: str, value: Any) -> None:
     try:
         if now is None or isinstance(now, (bytes, str)):
             made: Any = value.encode()
-        elif isinstance(now, bool):  # "off" would be true
-            made = value if value in (False, True) else None
+        elif isinstance(now, bool):
+            made = truth(name, value)
         elif isinstance(now, int):
             made = int(value) if value == int(value) else value
         else:
@@ -215,6 +215,13 @@ def put(struct: Any, name: str, value: Any) -> None:
         is_kept = False
     if not is_kept:
         raise refusal(Status.E_INVAL, f"{name} is {value!r}")
+
+
+def truth(name: str, value: Any) -> bool:
+    """True or False; to Python any text is true."""
+    if value not in (False, True):
+        raise refusal(Status.E_INVAL, f"{name} is {value!r}, not True or False")
+    return bool(value)
 
 
 def enumerator(kind: Any, name: str, value: Any) -> int:
