@@ -35,7 +35,6 @@ static void row(const char *scene, const char *what, const char *unit,
     struct bench_samples base = {&asked, 1, 1};
     bench_row(scene, what, unit, samples, "asked", &base);
     bench_free(samples);
-    *samples = (struct bench_samples){NULL, 0, 0};
 }
 
 static struct pccd_client *connect_by_default(void)

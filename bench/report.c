@@ -163,11 +163,6 @@ void bench_add(struct bench_samples *samples, double value)
     samples->values[samples->count++] = value;
 }
 
-void bench_clear(struct bench_samples *samples)
-{
-    samples->count = 0;
-}
-
 void bench_free(struct bench_samples *samples)
 {
     free(samples->values);
@@ -202,6 +197,13 @@ struct bench_summary bench_summarise(const struct bench_samples *samples)
                                     quantile(sorted, count, 0.99), sorted[count - 1]};
     free(sorted);
     return summary;
+}
+
+double bench_take_median(struct bench_samples *samples)
+{
+    double median = bench_summarise(samples).p50;
+    bench_free(samples);
+    return median;
 }
 
 void bench_heading(const char *text)

@@ -65,8 +65,9 @@ FILE *bench_create(const char *folder, const char *name);
 
 /* Exits with 2 when there is no memory. */
 void bench_add(struct bench_samples *samples, double value);
-void bench_clear(struct bench_samples *samples);
 void bench_free(struct bench_samples *samples);
+/* Return the middle of what the samples hold, which are freed. */
+double bench_take_median(struct bench_samples *samples);
 struct bench_summary bench_summarise(const struct bench_samples *samples);
 
 void bench_heading(const char *text);

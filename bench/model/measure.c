@@ -14,14 +14,6 @@
 #define LOOPS    1000
 #define SLEEPERS 8
 
-static double median_of(struct bench_samples *samples)
-{
-    double p50 = bench_summarise(samples).p50;
-    bench_free(samples);
-    *samples = (struct bench_samples){0};
-    return p50;
-}
-
 static double per(uint64_t begin_ns, uint32_t count)
 {
     return (double)(common_now_ns() - begin_ns) / count;
@@ -49,8 +41,8 @@ static void measure_alone(struct model_costs *costs)
         }
         bench_add(&take, per(begin_ns, LOOPS));
     }
-    costs->clock = median_of(&clock);
-    costs->take = median_of(&take);
+    costs->clock = bench_take_median(&clock);
+    costs->take = bench_take_median(&take);
 }
 
 /* ---- the team -------------------------------------------------------------------- */
@@ -106,8 +98,8 @@ static void measure_team(struct model_costs *costs)
     for (int repeat = 0; repeat < REPEATS; repeat++) {
         bench_add(&many, start_region(SLEEPERS + 2, &second));
     }
-    costs->barrier = median_of(&barrier);
-    costs->wake = median_of(&wake);
+    costs->barrier = bench_take_median(&barrier);
+    costs->wake = bench_take_median(&wake);
     /* Minima: those that were woken compete with the starter for the processors. */
     double each = (bench_summarise(&many).min - bench_summarise(&two).min) / SLEEPERS;
     costs->wake_each = each > 0 ? each : 0;

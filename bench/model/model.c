@@ -20,22 +20,17 @@ struct options {
 
 static const char *const modelled[] = {"cloth-ball", "breaking", "n-body", "cloth-funnel",
                                        NULL};
+static const char *const tried[] = {"cloth-20k", NULL};
 /* The sequences that tell the paper's scenes, frame by frame (bench/paper). */
 static const char *const sequences[] = {"cloth", "breaking", "bodies", NULL};
 
-struct scheme {
-    const char *scheduler;
-    const char *high_level;
-    struct model_way way;
-};
-
-static const struct scheme schemes[] = {
-    {"paper",
-     "round-robin",
-     {.scheduler = ENG_SCHEDULER_PAPER, .method = PCCD_METHOD_PAPER}},
-    {"steal", "none", {.scheduler = ENG_SCHEDULER_STEAL, .method = PCCD_METHOD_PAPER}},
-    {"wide", "none", {.scheduler = ENG_SCHEDULER_STEAL, .method = PCCD_METHOD_WIDE}},
-};
+static const struct scheme {
+    const char *name, *high_level;
+    enum eng_scheduler scheduler;
+    enum pccd_method method;
+} schemes[] = {{"paper", "round-robin", ENG_SCHEDULER_PAPER, PCCD_METHOD_PAPER},
+               {"steal", "none", ENG_SCHEDULER_STEAL, PCCD_METHOD_PAPER},
+               {"wide", "none", ENG_SCHEDULER_STEAL, PCCD_METHOD_WIDE}};
 #define SCHEMES (sizeof schemes / sizeof schemes[0])
 
 /* Wall time by phase; the five add up to `total`. Work is the sum over the threads. */
@@ -83,33 +78,28 @@ static void predict(const struct run *run, const struct scheme *scheme,
 {
     const struct model_record *record = &run->record;
     const struct model_costs *costs = &run->costs;
-    bool is_paper = scheme->way.scheduler == ENG_SCHEDULER_PAPER;
+    bool is_paper = scheme->scheduler == ENG_SCHEDULER_PAPER;
     const struct model_tasks *tasks = is_paper ? &record->units : &record->steal;
     const uint32_t *roots = is_paper ? division->low : NULL;
     uint32_t root_count = is_paper ? division->low_count : record->root_count;
     struct model_threads threads = {.costs = costs, .count = division->threads};
     *out =
-        (struct prediction){.refit_work = division->refit_end_ns,
-                            .high_work = is_paper ? model_tasks_sum(&division->tasks) : 0,
+        (struct prediction){.high_work = is_paper ? model_tasks_sum(&division->tasks) : 0,
                             .merge_work = run->ways[0].measured.merge};
     double begin = costs->wake_each * (threads.count - 1);
     threads.now[0] = begin;
     for (uint32_t t = 1; t < threads.count; t++) { /* the team is woken one by one */
         threads.now[t] = costs->wake + costs->wake_each * (t - 1);
     }
-    for (int stage = 0; stage < 2; stage++) {
+    for (int stage = 0; stage < MODEL_STAGES; stage++) {
         const struct model_tasks *parts = &division->refit[stage];
         model_schedule(&threads, parts, NULL, parts->count, costs->barrier);
         model_barrier(&threads);
         out->refit_work += model_tasks_sum(parts);
     }
-    model_work(&threads, 0, division->refit_end_ns);
-    model_barrier(&threads);
     double refitted = model_latest(&threads);
-    double first = refitted; /* who was not asleep begins before others */
-    for (uint32_t t = 0; t < threads.count; t++) {
-        first = fmin(first, threads.now[t]);
-    }
+    /* Who was not asleep begins before others. */
+    double first = threads.now[model_earliest(&threads)];
     /* In the paper's scheme a thread sleeps until another gives it a node. */
     model_schedule(&threads, tasks, roots, root_count,
                    is_paper ? costs->wake : costs->barrier);
@@ -125,10 +115,6 @@ static void predict(const struct run *run, const struct scheme *scheme,
     for (int i = 0; i < 3; i++) { /* surveyed, divided, put in order */
         model_barrier(&threads);
     }
-    double busy = 0;
-    for (uint32_t t = 0; t < threads.count; t++) {
-        busy += threads.busy[t];
-    }
     double end = model_latest(&threads);
     out->serial = run->ways[0].measured.serial + begin;
     out->refit = refitted - begin;
@@ -136,13 +122,13 @@ static void predict(const struct run *run, const struct scheme *scheme,
     out->high = detected - low;
     out->merge = end - detected;
     out->total = end + run->ways[0].measured.serial;
-    out->low_work = busy - out->refit_work - out->high_work - out->merge_work;
-    out->wait = end - busy / threads.count;
+    out->low_work = threads.busy - out->refit_work - out->high_work - out->merge_work;
+    out->wait = end - threads.busy / threads.count;
     out->critical = model_tasks_chain(tasks, roots, root_count, &out->largest);
     bench_check(out->low_work <= model_tasks_sum(tasks) * (1 + 1e-6) &&
                     (is_paper || out->low_work >= model_tasks_sum(tasks) * (1 - 1e-6)),
                 run->name, "every task is performed once");
-    bench_check(end - begin >= busy / threads.count, run->name,
+    bench_check(end - begin >= threads.busy / threads.count, run->name,
                 "no step is shorter than its work divided by its threads");
     bench_check(low - first >= out->critical, run->name,
                 "no step is shorter than its longest chain");
@@ -158,13 +144,13 @@ static void print(const struct run *run, const struct scheme *scheme, uint32_t t
                               o->low_work, o->high_work, o->merge_work, o->critical,
                               o->largest};
     double speedup = run->alone / o->total;
-    fprintf(run->model, "%s,%s,%s,%u,%.3f", run->name, scheme->scheduler,
-            scheme->high_level, threads, speedup);
+    fprintf(run->model, "%s,%s,%s,%u,%.3f", run->name, scheme->name, scheme->high_level,
+            threads, speedup);
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++) {
         fprintf(run->model, ",%.4f", columns[i] * 1e-6);
     }
     fputc('\n', run->model);
-    printf("%-16s %-6s %3u %9.3f ms %6.2fx\n", run->name, scheme->scheduler, threads,
+    printf("%-16s %-6s %3u %9.3f ms %6.2fx\n", run->name, scheme->name, threads,
            o->total * 1e-6, speedup);
 }
 
@@ -175,14 +161,14 @@ static void validate(const struct run *run, const struct scheme *scheme, uint32_
     for (uint32_t i = 0; i < run->way_count; i++) {
         const struct model_measured *m = &run->ways[i].measured;
         if (run->ways[i].threads == threads &&
-            run->ways[i].scheduler == scheme->way.scheduler) {
+            run->ways[i].scheduler == scheme->scheduler) {
             double error = output->total / m->step - 1;
             double speedup = run->alone / output->total;
             fprintf(run->validation, "%s,%s,%u,%.4f,%.4f,%.4f,%.3f,%.3f\n", run->name,
-                    scheme->scheduler, threads, m->step * 1e-6, output->total * 1e-6,
-                    error, 1 / m->ratio, speedup);
+                    scheme->name, threads, m->step * 1e-6, output->total * 1e-6, error,
+                    1 / m->ratio, speedup);
             printf("%-16s %-6s %3u measured %.3f ms, %+.1f %%; speed-up %.2f\n",
-                   run->name, scheme->scheduler, threads, m->step * 1e-6, 100 * error,
+                   run->name, scheme->name, threads, m->step * 1e-6, 100 * error,
                    1 / m->ratio);
         }
     }
@@ -200,17 +186,18 @@ static void replay(struct run *run)
     model_tasks_scale(&record->units, scale);
     for (uint32_t count = 1; count <= MODEL_THREADS_MAX; count *= 2) {
         model_division_init(&division, record, count);
-        double refit =
-            one->refit / (model_tasks_sum(&division.refit[0]) +
-                          model_tasks_sum(&division.refit[1]) + division.refit_end_ns);
-        model_tasks_scale(&division.refit[0], refit);
-        model_tasks_scale(&division.refit[1], refit);
-        division.refit_end_ns *= refit;
+        double refit = 0;
+        for (int stage = 0; stage < MODEL_STAGES; stage++) {
+            refit += model_tasks_sum(&division.refit[stage]);
+        }
+        for (int stage = 0; stage < MODEL_STAGES; stage++) {
+            model_tasks_scale(&division.refit[stage], one->refit / refit);
+        }
         model_tasks_scale(&division.tasks, scale);
         bench_check(division.is_consistent, run->name, "every pass meets the same pairs");
         for (size_t s = 0; s < SCHEMES; s++) {
             struct prediction prediction;
-            if (schemes[s].way.method == record->method) {
+            if (schemes[s].method == record->method) {
                 predict(run, &schemes[s], &division, &prediction);
                 run->alone = count == 1 ? prediction.total : run->alone;
                 print(run, &schemes[s], count, &prediction);
@@ -233,9 +220,11 @@ static void model_method(struct run *run, const struct bench_frames *frames,
     run->ways[run->way_count++] = (struct model_way){
         .threads = 1, .scheduler = ENG_SCHEDULER_STEAL, .method = method};
     for (size_t s = 0; s < SCHEMES; s++) {
-        if (schemes[s].way.method == method) {
-            run->ways[run->way_count] = schemes[s].way;
-            run->ways[run->way_count++].threads = options->validate;
+        if (schemes[s].method == method) {
+            run->ways[run->way_count++] =
+                (struct model_way){.threads = options->validate,
+                                   .scheduler = schemes[s].scheduler,
+                                   .method = method};
         }
     }
     bench_world_init(&world, frames, NULL);
@@ -265,54 +254,34 @@ static void take_fifth(struct bench_frames *frames)
     }
 }
 
-static bool is_modelled(const struct options *options, const char *name)
+static void model_scene(struct run *run, const struct bench_scene *scene, bool is_fifth)
 {
-    const char *const *names = options->has_sequences ? sequences : modelled;
-    if (options->bench.smoke) {
-        return strcmp(name, "cloth-20k") == 0;
-    }
-    for (size_t i = 0; names[i]; i++) {
-        if (strcmp(names[i], name) == 0) {
-            return !options->bench.wanted || strstr(name, options->bench.wanted);
-        }
-    }
-    return false;
-}
-
-static void model_scene(struct run *run, unsigned index, bool is_fifth)
-{
-    const struct options *options = &run->options;
-    const char *name = bench_scene_name(index);
-    struct bench_scene scene;
     struct bench_frames frames;
-    if (!bench_scene_make(index, options->bench.smoke, &scene)) {
-        bench_skip(name, "no frames in $PCCD_DATA");
-        return;
-    }
-    snprintf(run->name, sizeof run->name, "%s%s", name, is_fifth ? "/5" : "");
-    bench_frames_init(&frames, &scene, scene.hard_frame);
+    snprintf(run->name, sizeof run->name, "%s%s", scene->name, is_fifth ? "/5" : "");
+    bench_frames_init(&frames, scene, scene->hard_frame);
     if (is_fifth) {
         take_fifth(&frames);
     }
     model_method(run, &frames, PCCD_METHOD_WIDE);
-    if (!options->is_wide_only) {
+    if (!run->options.is_wide_only) {
         model_method(run, &frames, PCCD_METHOD_PAPER);
     }
     bench_frames_deinit(&frames);
-    bench_scene_free(&scene);
 }
 
 static void model_all(struct run *run)
 {
     const struct options *options = &run->options;
-    bool has_fifth = !options->bench.smoke && !options->has_sequences;
-    for (unsigned i = 0; i < bench_scene_total(); i++) {
-        if (is_modelled(options, bench_scene_name(i))) {
-            model_scene(run, i, false);
-            if (has_fifth) {
-                model_scene(run, i, true);
-            }
+    const char *const *names = options->bench.smoke     ? tried
+                               : options->has_sequences ? sequences
+                                                        : modelled;
+    struct bench_scene scene;
+    for (unsigned i = 0; bench_next_scene(&options->bench, names, &i, &scene);) {
+        model_scene(run, &scene, false);
+        if (names == modelled) {
+            model_scene(run, &scene, true);
         }
+        bench_scene_free(&scene);
     }
 }
 

@@ -91,11 +91,13 @@ void model_tasks_scale(struct model_tasks *tasks, double factor);
 struct model_threads {
     const struct model_costs *costs;
     uint32_t count;
-    double now[MODEL_THREADS_MAX];  /* when the thread is free */
-    double busy[MODEL_THREADS_MAX]; /* of it, in tasks */
+    double now[MODEL_THREADS_MAX]; /* when the thread is free */
+    double busy;                   /* of all, in tasks */
 };
 
 double model_latest(const struct model_threads *threads);
+/* Return the thread that is free first. */
+uint32_t model_earliest(const struct model_threads *threads);
 
 /* The thread works alone for `ns`. */
 void model_work(struct model_threads *threads, uint32_t thread, double ns);
@@ -143,14 +145,16 @@ struct model_high {
     uint32_t pair_count; /* dealt out */
 };
 
+#define MODEL_STAGES 3
+
 /* Work divided among a number of threads, as measured. */
 struct model_division {
     uint32_t threads;
     bool is_consistent;
-    /* Vertices, then what needs them; parts of a stage in any order. */
-    struct model_tasks refit[2];
-    double refit_end_ns; /* after all of them, by one thread */
-    uint32_t low_count;  /* paper: low-level nodes, in `units` */
+    /* Vertices, then what needs them, then what one thread does after that; parts of a
+     * stage in any order. */
+    struct model_tasks refit[MODEL_STAGES];
+    uint32_t low_count; /* paper: low-level nodes, in `units` */
     uint32_t low[MODEL_THREADS_MAX];
     uint32_t high_count;
     struct model_high high[MODEL_THREADS_MAX]; /* in the order in which they are done */

@@ -227,7 +227,8 @@ static void refit_wide(struct model_division *division, struct model_record *rec
     }
     uint64_t begin_ns = common_now_ns();
     eng_wide_refit_above(wide);
-    division->refit_end_ns = since(begin_ns, record->clock_ns) + record->deal_ns;
+    add(&division->refit[2], begin_ns, record->clock_ns);
+    division->refit[2].items[0].ns += record->deal_ns;
 }
 
 static void refit_paper(struct model_division *division, struct model_record *record)
@@ -258,7 +259,7 @@ static void refit_paper(struct model_division *division, struct model_record *re
     for (uint32_t i = plan.opened_count; i-- > 0;) {
         eng_refit_nodes(scene, (struct eng_range){plan.opened[i], 1});
     }
-    division->refit_end_ns = since(begin_ns, record->clock_ns);
+    add(&division->refit[2], begin_ns, record->clock_ns);
     eng_refit_plan_deinit(&plan);
 }
 
@@ -333,7 +334,8 @@ void model_division_init(struct model_division *division, struct model_record *r
 
 void model_division_free(struct model_division *division)
 {
-    model_tasks_free(&division->refit[0]);
-    model_tasks_free(&division->refit[1]);
+    for (int stage = 0; stage < MODEL_STAGES; stage++) {
+        model_tasks_free(&division->refit[stage]);
+    }
     model_tasks_free(&division->tasks);
 }

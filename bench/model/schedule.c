@@ -75,7 +75,7 @@ double model_latest(const struct model_threads *threads)
 void model_work(struct model_threads *threads, uint32_t thread, double ns)
 {
     threads->now[thread] += ns;
-    threads->busy[thread] += ns;
+    threads->busy += ns;
 }
 
 /* When a thread that waits from `arrival` on sees what happened at `end`: as in the
@@ -145,7 +145,7 @@ static struct list *next_of(struct list *lists, uint32_t count, uint32_t thread)
     return next;
 }
 
-static uint32_t earliest(const struct model_threads *threads)
+uint32_t model_earliest(const struct model_threads *threads)
 {
     uint32_t first = 0;
     for (uint32_t t = 1; t < threads->count; t++) {
@@ -165,7 +165,7 @@ void model_schedule(struct model_threads *threads, const struct model_tasks *tas
         push(&lists[owner], roots ? roots[k] : k, 0);
     }
     for (uint32_t left = count; left > 0; left--) {
-        uint32_t thread = earliest(threads);
+        uint32_t thread = model_earliest(threads);
         struct list *list = next_of(lists, threads->count, thread);
         struct entry *entry = &list->entries[list->first];
         threads->now[thread] += threads->costs->take;

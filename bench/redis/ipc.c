@@ -17,13 +17,6 @@ void pairs_add(struct pairs *pairs, double ours, double anchor)
     bench_add(&pairs->ratio, ours / anchor);
 }
 
-double pairs_take_median(struct bench_samples *samples)
-{
-    double median = bench_summarise(samples).p50;
-    bench_clear(samples);
-    return median;
-}
-
 static void print_heading(void)
 {
     printf("%-4s%-42s %10s %-22s %10s %-4s %6s  %-8s %s\n", "row", "ours", "", "anchor",

@@ -33,9 +33,6 @@ struct pairs_row {
 
 void pairs_add(struct pairs *pairs, double ours, double anchor);
 
-/* The middle of what the samples hold, which are emptied. */
-double pairs_take_median(struct bench_samples *samples);
-
 /* Prints, and frees the pairs; nothing of pairs that were not measured. */
 void pairs_print(const struct pairs_row *row, struct pairs *pairs);
 

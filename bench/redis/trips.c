@@ -86,7 +86,7 @@ static void take_turn(const struct trips *trips, double medians[SIDES])
         for (unsigned i = 0; i < TURN; i++) {
             bench_add(&samples, trip_us(trips, side));
         }
-        medians[side] = pairs_take_median(&samples);
+        medians[side] = bench_take_median(&samples);
     }
     bench_free(&samples);
 }
