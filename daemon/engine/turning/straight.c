@@ -65,14 +65,15 @@ struct view {
     float m[2][3][4]; /* the same along the axes of the world, off last */
     struct leaf_corners own;
     bool turns; /* r is not the same at both ends */
+    bool rests; /* m is: what it places is where it was */
 };
 
 /* Intervals of the children of a node along the axes: middles at both ends, and halves
  * that hold at all times. */
 struct shadows {
     f4 middle[2][AXES];
-    f4 half[AXES];
-    f4 size; /* half of the longest side, about */
+    f4 half[AXES]; /* of side 1 with the margin */
+    f4 size;       /* half of the longest side, about */
 };
 
 /* The children of a node as the two objects lie: kept, as a node is opened beside many
@@ -227,11 +228,15 @@ static void set_view(struct view *view, const double axes[AXES][3],
         }
         for (int k = 0; k < AXES; k++) {
             view->off[end][k] = (float)eng_dot(axes[k], at);
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3 && (end == 0 || view->turns); c++) {
                 view->r[end][k][c] = (float)(axes[k][0] * m[c] + axes[k][1] * m[4 + c] +
                                              axes[k][2] * m[8 + c]);
             }
         }
+    }
+    view->rests = memcmp(view->m[0], view->m[1], sizeof view->m[0]) == 0;
+    if (!view->turns) {
+        memcpy(view->r[1], view->r[0], sizeof view->r[1]);
     }
     for (int k = 0; k < AXES; k++) {
         for (int c = 0; c < 3; c++) {
@@ -360,6 +365,7 @@ static void know(const struct eng_straight *straight, int side, struct opened *o
     struct shadows *shadows = &opened->shadows;
     for (; opened->known < axes; opened->known++) {
         set_shadow(&straight->side[side], boxes, opened->known, shadows);
+        shadows->half[opened->known] += all4(side == 1 ? straight->margin : 0);
     }
     if (axes == straight->axes) {
         const f4 *own = shadows->half + 3 * side;
@@ -380,14 +386,11 @@ static struct opened *open_node(struct eng_straight *straight, int side, uint32_
         opened->users = 0;
         opened->known = 0;
         opened->is_placed = false;
-        opened->children = opened->leaves = 0;
-        for (unsigned i = 0; i < 4; i++) {
-            const bool is_there = children[i] != ENG_BODY_NONE;
-            const bool is_leaf = is_there && (children[i] & ENG_BODY_LEAF) != 0;
-            opened->children |= (unsigned)is_there << i;
-            opened->leaves |= (unsigned)is_leaf << i;
-            opened->round[i] = 0;
-        }
+        memset(opened->round, 0, sizeof opened->round);
+        eng_i4 each;
+        memcpy(&each, children, sizeof each);
+        opened->children = ~bits_of(each == -1) & 15u; /* ENG_BODY_NONE */
+        opened->leaves = bits_of(each) & opened->children; /* ENG_BODY_LEAF */
     }
     opened->users++;
     return opened;
@@ -404,8 +407,7 @@ static unsigned may_meet(struct eng_straight *straight, int side, struct opened 
                          const struct item *other)
 {
     const struct eng_body_boxes *boxes = &straight->side[side].boxes[opened->node];
-    const f4 until = all4(straight->worker->box_bound < 1 ? straight->worker->box_bound
-                                                          : 1);
+    const float bound = straight->worker->box_bound;
     const struct shadows *of = &other->opened->shadows;
     const struct shadows *shadows = &opened->shadows;
     eng_i4 apart = {0, 0, 0, 0};
@@ -418,10 +420,11 @@ static unsigned may_meet(struct eng_straight *straight, int side, struct opened 
         for (int k = first; k < first + 3; k++) {
             f4 d0 = all4(of->middle[0][k][other->which]) - shadows->middle[0][k];
             f4 d1 = all4(of->middle[1][k][other->which]) - shadows->middle[1][k];
-            d1 = d0 + (d1 - d0) * until;
-            f4 reach =
-                shadows->half[k] + all4(of->half[k][other->which] + straight->margin);
-            apart |= eng_max4(eng_min4(d0, d1), eng_min4(-d0, -d1)) > reach;
+            if (bound < 1) {
+                d1 = d0 + (d1 - d0) * all4(bound);
+            }
+            f4 reach = shadows->half[k] + all4(of->half[k][other->which]);
+            apart |= eng_max4(eng_min4(d0, d1), -eng_max4(d0, d1)) > reach;
         }
         if (bits_of(apart) == 15u) {
             return 0;
@@ -474,8 +477,11 @@ static bool is_leaf(const struct item *item)
 static void place_four(const struct view *view, const struct vectors from[3],
                        struct vectors to[2][3])
 {
-#pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
+        if (end == 1 && view->rests) {
+            memcpy(to[1], to[0], sizeof to[1]);
+            break;
+        }
 #pragma GCC unroll 3
         for (int k = 0; k < 3; k++) {
             const f4 x = all4(view->m[end][k][0]);
@@ -504,11 +510,15 @@ static void place_leaves(const struct view *view, struct opened *opened)
     }
 }
 
-/* Return one of four vectors four times. */
-static struct vectors spread(const struct vectors *v, uint32_t which)
+/* Set all four vectors to one of four. */
+static void spread(const struct vectors *v, uint32_t which, struct vectors *to)
 {
-    return (struct vectors){
-        {all4(v->x[0][which]), all4(v->x[1][which]), all4(v->x[2][which])}};
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        float x;
+        memcpy(&x, (const char *)&v->x[k] + which * sizeof x, sizeof x);
+        to->x[k] = all4(x);
+    }
 }
 
 /* Have a leaf of a side placed, in all lanes of `alone`. */
@@ -517,10 +527,10 @@ static void place_alone(struct eng_straight *straight, int side, const struct it
     if (!straight->alone[side].is_there || straight->alone[side].leaf != leaf->child) {
         place_leaves(&straight->side[side], leaf->opened);
         for (int i = 0; i < 6; i++) {
-            straight->alone[side].x[i / 3][i % 3] =
-                spread(&leaf->opened->x[i / 3][i % 3], leaf->which);
+            spread(&leaf->opened->x[i / 3][i % 3], leaf->which,
+                   &straight->alone[side].x[i / 3][i % 3]);
         }
-        straight->alone[side].normal = spread(&leaf->opened->normals, leaf->which);
+        spread(&leaf->opened->normals, leaf->which, &straight->alone[side].normal);
         straight->alone[side].is_there = true;
         straight->alone[side].leaf = leaf->child;
     }
