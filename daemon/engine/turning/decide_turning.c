@@ -17,6 +17,7 @@
 
 #include "kernel.h"
 #include "motion.h"
+#include "rotation.h"
 #include "thick_exact.h"
 #include "vec.h"
 
@@ -114,23 +115,28 @@ static void set_moment(struct decider *decider, double t, struct moment *moment)
     const struct eng_turning_pair *pair = decider->pair;
     const struct eng_path_pose *pose = eng_poses_at(decider->poses, t);
     const double *m = pose->m;
+    const eng_d2 column[4] = {
+        {m[0], m[4]}, {m[1], m[5]}, {m[2], m[6]}, {m[3], m[7]}}; /* of two rows */
     double size = decider->still_size;
-    memcpy(moment->x, pair->x[0], sizeof moment->x);
     for (uint32_t i = 0; i < 4; i++) {
         const double *x = pair->x[0][i];
         double *at = moment->x[i];
         if (i >= decider->first_turning && i < decider->end_turning) {
-#pragma GCC unroll 3
-            for (int k = 0; k < 3; k++) {
-                const double *row = m + 4 * k;
-                at[k] = row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + row[3];
-                size = eng_most(size, fabs(at[k]));
-            }
+            const eng_d2 two =
+                ((column[0] * eng_d2_both(x[0]) + column[1] * eng_d2_both(x[1])) +
+                 column[2] * eng_d2_both(x[2])) +
+                column[3];
+            at[0] = two[0];
+            at[1] = two[1];
+            at[2] = ((m[8] * x[0] + m[9] * x[1]) + m[10] * x[2]) + m[11];
+            size = eng_most(size, eng_size(at));
         } else if (!decider->stands) {
 #pragma GCC unroll 3
             for (int k = 0; k < 3; k++) {
                 at[k] = (1 - t) * x[k] + t * pair->x[1][i][k];
             }
+        } else {
+            memcpy(at, x, 3 * sizeof *at);
         }
     }
     decider->is_beyond |= !(size <= SIZE_MOST);
@@ -235,16 +241,22 @@ static void advance(const struct decider *decider, struct eng_quads quads, uint3
 }
 
 /* Set the motion of features that are VF or EE. */
+static void set_motion(enum pccd_kind kind, const struct span *span,
+                       struct eng_motion *motion)
+{
+    struct eng_query query = {.kind = kind};
+    memcpy(query.x[0], span->l->x, sizeof query.x[0]);
+    memcpy(query.x[1], span->r->x, sizeof query.x[1]);
+    eng_motion_init(motion, &query);
+}
+
 static void set_passage(enum pccd_kind kind, const struct span *span,
                         struct passage *passage)
 {
     const double *f = passage->f;
     struct eng_motion *motion = &passage->motion;
-    struct eng_query query = {.kind = kind};
     double slope;
-    memcpy(query.x[0], span->l->x, sizeof query.x[0]);
-    memcpy(query.x[1], span->r->x, sizeof query.x[1]);
-    eng_motion_init(motion, &query);
+    set_motion(kind, span, motion);
     for (int end = 0; end < 2; end++) {
         struct eng_pose *pose = &passage->pose[end];
         memcpy(pose->p, motion->p[end], sizeof pose->p);
@@ -803,17 +815,19 @@ static void describe(struct decider *decider, struct eng_hit *hit)
     const enum pccd_kind kind = decider->pair->kind;
     const double toi = hit->toi;
     struct span span;
-    set_moment(decider, toi, &decider->spare[0]);
+    if (decider->side == 0 || decider->spare[0].t != toi) { /* a proof begins there */
+        set_moment(decider, toi, &decider->spare[0]);
+    }
     set_span(decider, &decider->spare[0], &decider->spare[0], &span);
     hit->toi = 0;
     decider->kernels->describe((struct eng_quads){(uint32_t)kind, span.points, whole},
                                numbers, 1, hit);
     hit->toi = toi;
     if (decider->side != 0) {
-        struct passage passage;
+        struct eng_motion motion;
         double place[2];
-        set_passage(kind, &span, &passage);
-        eng_motion_describe(&passage.motion, 0, decider->side, &place[0], &place[1],
+        set_motion(kind, &span, &motion);
+        eng_motion_describe(&motion, 0, decider->side, &place[0], &place[1],
                             hit->normal);
     }
 }
