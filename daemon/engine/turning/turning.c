@@ -170,17 +170,21 @@ static bool should_stop(void *owner)
     return stops;
 }
 
+static double bow_of(const struct eng_path *path, const struct eng_mesh *mesh)
+{
+    double middle[1][3];
+    eng_mesh_middle(mesh, middle[0]);
+    return eng_path_bend_of(path, (const double(*)[3])middle, 1, mesh->radius) / 8;
+}
+
 struct eng_turning_bend eng_turning_bend_of(const struct eng_path *path,
                                             const struct eng_mesh *mesh)
 {
     struct eng_path_box box;
-    double middle[1][3];
     memcpy(box.lo, mesh->bounds.low, sizeof box.lo);
     memcpy(box.hi, mesh->bounds.high, sizeof box.hi);
-    eng_mesh_middle(mesh, middle[0]);
-    return (struct eng_turning_bend){
-        eng_path_bend_of(path, (const double(*)[3])middle, 1, mesh->radius) / 8,
-        eng_path_speed(path, &box, 0, 1)};
+    return (struct eng_turning_bend){bow_of(path, mesh),
+                                     eng_path_speed(path, &box, 0, 1)};
 }
 
 bool eng_turning_bends_little(const struct eng_turning_bend *bend,
@@ -205,8 +209,8 @@ static void begin_chords(struct eng_turning *turning, enum eng_turning_way way)
     if (!turning->by_chords) {
         return;
     }
-    const struct eng_turning_bend bend = eng_turning_bend_of(&turning->path, mesh);
     if (way == ENG_TURNING_BY_BEND) {
+        const struct eng_turning_bend bend = eng_turning_bend_of(&turning->path, mesh);
         turning->by_chords = eng_turning_bends_little(&bend, side[0].object->mesh, mesh);
     }
     double error = 0;
@@ -219,7 +223,8 @@ static void begin_chords(struct eng_turning *turning, enum eng_turning_way way)
     if (turning->by_chords) {
         side[1].poses = (const double(*)[12])turning->chords;
         const struct eng_straight_chords chords = {
-            .reach = (turning->sweep.keep + bend.bow + 2 * error) * (1 + 0x1p-40),
+            .reach = (turning->sweep.keep + bow_of(&turning->path, mesh) + 2 * error) *
+                     (1 + 0x1p-40),
             .take = take,
             .owner = turning};
         eng_straight()->begin(turning->straight, side, &chords);

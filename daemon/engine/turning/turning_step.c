@@ -161,11 +161,11 @@ static void set_turning(struct eng_turning_step *step, const struct eng_object *
     const struct eng_mesh *mesh = object->mesh;
     const struct eng_bounds *bounds = &mesh->bounds;
     struct eng_bounds all = ENG_NO_BOUNDS;
-    struct eng_path_box box, point;
+    struct eng_path_box box;
+    double middle[1][3];
     memcpy(box.lo, bounds->low, sizeof box.lo);
     memcpy(box.hi, bounds->high, sizeof box.hi);
-    eng_mesh_middle(mesh, point.lo);
-    memcpy(point.hi, point.lo, sizeof point.hi);
+    eng_mesh_middle(mesh, middle[0]);
     int status = eng_path_between(step->scene->joints.items, PCCD_NO_JOINT, object->joint,
                                   &step->path);
     assert(status == PCCD_OK); /* as it was when it was staged */
@@ -185,14 +185,16 @@ static void set_turning(struct eng_turning_step *step, const struct eng_object *
         eng_bounds_unite(&all, &placed);
         error = fmax(error, pose.error[0] + pose.error[1] * largest_of(bounds));
         if (i == 0 || i == spans) {
-            common_transform(pose.m, point.lo, item->sphere.middle[i == 0 ? 0 : 1]);
+            common_transform(pose.m, middle[0], item->sphere.middle[i == 0 ? 0 : 1]);
         }
     }
     double rounding = ROUNDING * (largest_of(bounds) + largest_of(&all));
     widen(&all, sagitta + error + rounding);
     item->box = all;
-    item->sphere.radius = mesh->radius + eng_path_bend(&step->path, &point, 0, 1) / 8 +
-                        error + rounding;
+    item->sphere.radius =
+        mesh->radius +
+        eng_path_bend_of(&step->path, (const double(*)[3])middle, 1, 0) / 8 + error +
+        rounding;
 }
 
 /* Return at least how much longer than it was a pose makes a vector: the square of that
