@@ -52,7 +52,7 @@ static struct eng_mesh *make_mesh(const struct bench_frames *frames, uint32_t i)
         must(eng_mesh_write_points(mesh, 0, counts.points, object->points, &bad),
              "eng_mesh_write_points");
     }
-    must(eng_mesh_commit(mesh), "eng_mesh_commit");
+    must(eng_mesh_commit(mesh, 1), "eng_mesh_commit");
     return mesh;
 }
 

@@ -131,7 +131,7 @@ static bool make_mesh(const struct shape *shape, struct eng_mesh **mesh)
         FUZZ_CHECK(status != PCCD_E_INDEX || bad < shape->counts.points);
     }
     if (!is_refusal(status)) {
-        status = eng_mesh_commit(*mesh);
+        status = eng_mesh_commit(*mesh, 1);
     }
     if (!is_refusal(status)) {
         status = eng_mesh_sort_features(*mesh, 1);

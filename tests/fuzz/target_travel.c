@@ -62,7 +62,7 @@ static int add_object(struct eng_scene *scene, const double (*x)[3], uint32_t id
         status = eng_mesh_write_triangles(mesh, 0, TRIANGLES, strip, &bad);
     }
     if (status == PCCD_OK) {
-        status = eng_mesh_commit(mesh);
+        status = eng_mesh_commit(mesh, 1);
     }
     if (status == PCCD_OK) {
         status = eng_scene_add(scene, mesh, id, object);

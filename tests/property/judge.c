@@ -165,7 +165,7 @@ static void register_mesh(struct judge *judge, struct judge_object *object)
                                       mesh->x0));
     assert_ok(eng_mesh_write_triangles(registered, 0, mesh->triangle_count,
                                        mesh->triangles, &bad));
-    assert_ok(eng_mesh_commit(registered));
+    assert_ok(eng_mesh_commit(registered, 1));
     eng_mesh_get_info(registered, &info);
     assert_int_equal(info.edge_count, object->edge_count);
     assert_memory_equal(eng_mesh_edges(registered), object->edges,

@@ -97,7 +97,7 @@ static struct eng_mesh *make_mesh(struct trial *trial, struct body *body)
     assert_ok(eng_mesh_write_triangles(mesh, 0, FACES, body->faces, &bad));
     assert_ok(eng_mesh_write_edges(mesh, 0, 1, free_edge, &bad));
     assert_ok(eng_mesh_write_points(mesh, 0, 1, free_point, &bad));
-    assert_ok(eng_mesh_commit(mesh));
+    assert_ok(eng_mesh_commit(mesh, 1));
     return mesh;
 }
 

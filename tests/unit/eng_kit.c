@@ -41,7 +41,7 @@ struct eng_mesh *kit_mesh_of(const struct kit_shape *shape)
     if (shape->radii) {
         assert_ok(eng_mesh_write_radii(mesh, 0, counts->vertices, shape->radii));
     }
-    assert_ok(eng_mesh_commit(mesh));
+    assert_ok(eng_mesh_commit(mesh, 1));
     assert_true(eng_feature_validate(mesh));
     return mesh;
 }

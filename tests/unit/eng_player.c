@@ -86,7 +86,7 @@ static void object_init(struct player_object *object, const struct play_act *act
     if (radii_from) {
         draw_radii(object, radii_from);
     }
-    assert_ok(eng_mesh_commit(object->mesh));
+    assert_ok(eng_mesh_commit(object->mesh, 1));
     assert_ok(eng_mesh_sort_features(object->mesh, 1));
 }
 

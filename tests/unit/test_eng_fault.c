@@ -34,7 +34,7 @@ static struct eng_mesh *make_sheet(void)
     RETRY(eng_mesh_new(V, 2 * SIDE * SIDE, &mesh));
     RETRY(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, V, x));
     RETRY(eng_mesh_write_triangles(mesh, 0, 2 * SIDE * SIDE, triangles, &bad));
-    RETRY(eng_mesh_commit(mesh));
+    RETRY(eng_mesh_commit(mesh, 1));
     RETRY(eng_mesh_sort_features(mesh, 1));
     return mesh;
 }

@@ -74,7 +74,7 @@ static void begin(struct play *play, struct prng *random)
             play->mesh[o][s] = make_mesh(random);
             assert_int_equal(eng_mesh_set_own(play->mesh[o][s], own[0], own[1]),
                              PCCD_E_STATE);
-            assert_ok(eng_mesh_commit(play->mesh[o][s]));
+            assert_ok(eng_mesh_commit(play->mesh[o][s], 1));
         }
         memset(own, 0, sizeof own);
         share_out(random, play->mesh[o][WHOLE], own[0], own[1]);

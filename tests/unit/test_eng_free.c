@@ -63,13 +63,13 @@ CASE(mesh__takes_edges_and_points_whole_and_checked)
     assert_int_equal(eng_mesh_write_edges(mesh, 1, 1, edges, &bad), PCCD_E_STATE);
     assert_int_equal(eng_mesh_write_edges(mesh, 0, 4, edges, &bad), PCCD_E_INVAL);
     assert_int_equal(eng_mesh_write_edges(mesh, 0, 1, edges, &bad), 0);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_int_equal(eng_mesh_write_edges(mesh, 1, 1, edges, &bad), 0);
     assert_int_equal(eng_mesh_write_edges(mesh, 2, 1, edges, &bad), 0);
     assert_int_equal(eng_mesh_write_points(mesh, 0, 1, points, &bad), 0);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_int_equal(eng_mesh_write_points(mesh, 1, 1, points, &bad), 0);
-    assert_ok(eng_mesh_commit(mesh));
+    assert_ok(eng_mesh_commit(mesh, 1));
     eng_mesh_release(mesh);
 }
 

@@ -59,7 +59,7 @@ CASE(mesh__chunks_in_order_make_a_mesh)
     assert_int_equal(received.vertices, 4);
     assert_int_equal(received.triangles, 2);
     assert_false(eng_mesh_is_committed(mesh));
-    assert_ok(eng_mesh_commit(mesh));
+    assert_ok(eng_mesh_commit(mesh, 1));
     assert_true(eng_mesh_is_committed(mesh));
     assert_true(eng_feature_validate(mesh));
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
@@ -162,9 +162,9 @@ CASE(mesh__refused_chunk_has_to_come_again)
     x[2][1] = NAN;
     assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 1, 3, x[1]),
                      PCCD_E_NOTFINITE);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_ok(write_x(mesh, 1, 3));
-    assert_ok(eng_mesh_commit(mesh));
+    assert_ok(eng_mesh_commit(mesh, 1));
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
     eng_mesh_release(mesh);
 }
@@ -173,14 +173,14 @@ CASE(mesh__refused_chunk_has_to_come_again)
 CASE(mesh__commit_happens_once_and_only_when_complete)
 {
     struct eng_mesh *mesh = new_mesh(4, 2);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_ok(write_x(mesh, 0, 4));
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_ok(write_t(mesh, 0, 1));
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_ok(write_t(mesh, 1, 1));
-    assert_ok(eng_mesh_commit(mesh));
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_ok(eng_mesh_commit(mesh, 1));
+    assert_int_equal(eng_mesh_commit(mesh, 1), PCCD_E_STATE);
     assert_int_equal(write_x(mesh, 0, 4), PCCD_E_STATE);
     assert_int_equal(write_t(mesh, 0, 2), PCCD_E_STATE);
     eng_mesh_release(mesh);
@@ -396,6 +396,33 @@ CASE(mesh__many_edges_at_a_vertex_are_like_few)
     check_order(mesh);
     check_ownership(mesh);
     eng_mesh_release(mesh);
+}
+
+/* If it failed: how a mesh is derived would depend on how many threads there are. */
+CASE(mesh__is_the_same_by_any_number_of_threads)
+{
+    struct eng_mesh *one = kit_sheet(100, 0);
+    const struct eng_mesh_info *info = &one->info;
+    uint32_t(*corners)[3] = malloc(info->triangle_count * sizeof *corners);
+    assert_non_null(corners);
+    eng_mesh_get_corners(one, corners);
+    for (uint32_t threads = 2; threads <= 8; threads += 6) {
+        struct eng_mesh *mesh = NULL;
+        uint32_t bad;
+        assert_ok(eng_mesh_new(info->vertex_count, info->triangle_count, &mesh));
+        assert_ok(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, info->vertex_count,
+                                          one->x));
+        assert_ok(eng_mesh_write_triangles(mesh, 0, info->triangle_count, corners, &bad));
+        assert_ok(eng_mesh_commit(mesh, threads));
+        assert_memory_equal(&mesh->info, info, sizeof *info);
+        assert_memory_equal(mesh->leaves, one->leaves,
+                            one->leaf_count * sizeof *one->leaves);
+        assert_memory_equal(mesh->edges, one->edges,
+                            info->edge_count * sizeof *one->edges);
+        eng_mesh_release(mesh);
+    }
+    free(corners);
+    eng_mesh_release(one);
 }
 
 /* If it failed: a mesh would go while an instance of it is in use, or stay for ever. */

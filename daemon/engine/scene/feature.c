@@ -14,9 +14,13 @@
 #include <string.h>
 
 #include "memory.h"
+#include "parallel.h"
 #include "sort.h"
 
 /* ---- by vertices ------------------------------------------------------------------- */
+
+/* Leaves of a mesh below which one thread derives it: half a millisecond. */
+#define TEAM_LEAVES_MIN 16384u
 
 /* Entries of a vertex that are sorted where they are. */
 #define INSERTED_MAX 24u
@@ -383,21 +387,37 @@ static void derived_free(struct derived *derived)
     eng_free(derived->free[PCCD_TREE_EDGES]);
 }
 
+/* Derive what needs no edges. Returns whether a triangle is a point. */
+static bool derive_leaves(const struct eng_mesh *mesh, uint32_t named, uint8_t *seen,
+                          struct derived *derived)
+{
+    init_leaves(mesh, named, derived->leaves);
+    derived->info.isolated_count = assign_vertices(mesh, named, derived->leaves, seen);
+    return count_degenerate(mesh, &derived->info);
+}
+
 static int derive(const struct eng_mesh *mesh, uint32_t named, struct by_vertex *by,
-                  uint8_t *seen, struct derived *derived)
+                  uint8_t *seen, uint32_t threads, struct derived *derived)
 {
     struct eng_mesh_info *info = &derived->info;
-    int status = list_sides(mesh, named, by, info);
+    int status = PCCD_OK;
+    bool may_repeat = false;
+    struct eng_parallel region = eng_parallel_open();
+#pragma omp parallel num_threads((int)threads) if (threads > 1)
+    {
+        ENG_PARALLEL_JOIN(region);
+#pragma omp sections
+        {
+#pragma omp section
+            status = list_sides(mesh, named, by, info);
+#pragma omp section
+            may_repeat = derive_leaves(mesh, named, seen, derived);
+        }
+    }
+    eng_parallel_close();
     if (status != PCCD_OK) {
         return status;
     }
-    derived->leaves = eng_alloc(named, sizeof *derived->leaves);
-    if (!derived->leaves) {
-        return PCCD_E_NOMEM;
-    }
-    bool may_repeat = count_degenerate(mesh, info);
-    init_leaves(mesh, named, derived->leaves);
-    info->isolated_count = assign_vertices(mesh, named, derived->leaves, seen);
     may_repeat |= assign_edges(mesh, by, derived->leaves);
     derived->edges =
         eng_realloc(by->entry, (size_t)info->edge_count + 1, sizeof *derived->edges);
@@ -435,7 +455,7 @@ static void take(struct eng_mesh *mesh, struct derived *derived, size_t *first)
     }
 }
 
-int eng_feature_derive(struct eng_mesh *mesh)
+int eng_feature_derive(struct eng_mesh *mesh, uint32_t threads)
 {
     assert(mesh->corners && mesh->x);
     const struct eng_mesh_counts *counts = &mesh->counts;
@@ -446,8 +466,10 @@ int eng_feature_derive(struct eng_mesh *mesh)
                                eng_alloc((size_t)counts->vertices + 1, sizeof *by.first),
                            .entry = eng_alloc((size_t)named * 3 + 1, sizeof *by.entry)};
     uint8_t *seen = eng_alloc(counts->vertices, 1);
-    if (by.first && by.entry && seen) {
-        status = derive(mesh, named, &by, seen, &derived);
+    derived.leaves = eng_alloc(named, sizeof *derived.leaves);
+    threads = named < TEAM_LEAVES_MIN || threads == 0 ? 1 : eng_payer_threads(threads);
+    if (by.first && by.entry && seen && derived.leaves) {
+        status = derive(mesh, named, &by, seen, threads, &derived);
     }
     if (status == PCCD_OK) {
         take(mesh, &derived, by.first);

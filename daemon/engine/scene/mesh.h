@@ -88,9 +88,10 @@ int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
 /* Write the counts of what has arrived so far. */
 void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *received);
 
-/* Derive edges, ownership and counts. PCCD_E_STATE: data missing or committed already;
- * PCCD_E_LIMIT: more than PROTO_COUNT_MAX edges; PCCD_E_NOMEM: can be tried again. */
-int eng_mesh_commit(struct eng_mesh *mesh);
+/* Derive edges, ownership and counts, by so many threads (0: one; only some of it is
+ * shared out). PCCD_E_STATE: data missing or committed already; PCCD_E_LIMIT: more than
+ * PROTO_COUNT_MAX edges; PCCD_E_NOMEM: can be tried again. */
+int eng_mesh_commit(struct eng_mesh *mesh, uint32_t threads);
 bool eng_mesh_is_committed(const struct eng_mesh *mesh);
 
 /* Set what is a committed mesh's own, once, before its first step: a bit for each vertex

@@ -313,13 +313,13 @@ static double fineness_of(const struct eng_mesh *mesh)
     return median > 0 ? median / eng_bounds_size(&mesh->bounds) : 1 / sqrt(count);
 }
 
-int eng_mesh_commit(struct eng_mesh *mesh)
+int eng_mesh_commit(struct eng_mesh *mesh, uint32_t threads)
 {
     if (mesh->committed ||
         memcmp(&mesh->received, &mesh->counts, sizeof mesh->counts) != 0) {
         return PCCD_E_STATE;
     }
-    int status = eng_feature_derive(mesh);
+    int status = eng_feature_derive(mesh, threads);
     if (status != PCCD_OK) {
         return status;
     }

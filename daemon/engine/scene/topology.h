@@ -182,10 +182,10 @@ static inline bool eng_mesh_is_crowded(const struct eng_mesh *mesh, enum pccd_tr
 
 /* ---- edges, and who owns what ------------------------------------------------------ */
 
-/* Fill leaves, edges, what is free and the counts of `mesh` from corners and x. The owner
- * of a feature is the first leaf that has it. PCCD_E_NOMEM, PCCD_E_LIMIT:
- * nothing changed. */
-int eng_feature_derive(struct eng_mesh *mesh);
+/* Fill leaves, edges, what is free and the counts of `mesh` from corners and x, by
+ * `threads` (0: one). The owner of a feature is the first leaf that has it. PCCD_E_NOMEM,
+ * PCCD_E_LIMIT: nothing changed. */
+int eng_feature_derive(struct eng_mesh *mesh, uint32_t threads);
 
 /* Write where the edges begin whose higher vertex is v: first[v], v = 0 .. vertex_count.
  * Of a mesh that was derived. */

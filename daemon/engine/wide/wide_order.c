@@ -77,10 +77,8 @@ static uint32_t find_pieces(const struct eng_mesh *mesh, uint32_t *of)
 
 /* ---- orders ------------------------------------------------------------------------ */
 
-/* Features of an object below which one thread orders them, some 2 ms; and for each of
- * a team at least. */
-#define TEAM_FEATURES_MIN   32768u
-#define THREAD_FEATURES_MIN 8192u
+/* Features of an object below which one thread orders them: some 2 ms. */
+#define TEAM_FEATURES_MIN 32768u
 
 /* Pieces of a mesh that are told apart, and triangles of each on average: with fewer,
  * more than an eighth of all slots would be behind pieces. */
@@ -186,9 +184,7 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
 
 static int threads_for(size_t features, uint32_t threads)
 {
-    size_t most = features / THREAD_FEATURES_MIN;
-    size_t parts = ENG_WIDE_PARTS_MAX / ENG_WIDE_TREES;
-    most = most < parts ? most : parts;
+    uint32_t most = ENG_WIDE_PARTS_MAX / ENG_WIDE_TREES;
     return features < TEAM_FEATURES_MIN || threads == 0 ? 1
            : threads < most                             ? (int)threads
                                                         : (int)most;

@@ -373,8 +373,9 @@ static int derive(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for the mesh");
     }
+    uint32_t threads = request->session->service->options->threads_max;
     bool is_derived = request->plan.replacement != NULL && eng_mesh_is_committed(engine);
-    int failed = is_derived ? PCCD_OK : eng_mesh_commit(engine);
+    int failed = is_derived ? PCCD_OK : eng_mesh_commit(engine, threads);
     if (failed == PCCD_E_STATE && !eng_mesh_is_committed(engine)) {
         return refuse_unfinished(request, engine, &shape->counts);
     }
@@ -384,8 +385,7 @@ static int derive(struct srv_request *request)
             failed == PCCD_E_STATE ? "is committed already" : proto_status_text(failed));
     }
     if (!is_derived) { /* without memory for it the objects do without */
-        (void)eng_mesh_sort_features(engine,
-                                     request->session->service->options->threads_max);
+        (void)eng_mesh_sort_features(engine, threads);
     }
     struct eng_mesh_info info;
     eng_mesh_get_info(engine, &info);
