@@ -440,9 +440,11 @@ ENG_INLINE eng_fi never_as_pairs(const eng_fi turned[2][3], struct bounds rows,
     return signs;
 }
 
-/* Bit i: some time may bring the box and that of lane i together. Only for pairs that
- * overlap; `quantised`: both are in whole numbers. */
-ENG_INLINE uint32_t together(struct bounds box, struct bounds rows, bool quantised)
+/* Return those of the lanes, whose boxes overlap with this one, that some time may bring
+ * together with it; `quantised`: all are in whole numbers. Parts without any are not
+ * looked at; of two parts, a wrong guess takes as long as that saves. */
+ENG_INLINE uint32_t together(struct bounds box, struct bounds rows, uint32_t lanes,
+                             bool quantised)
 {
     eng_fi turned[2][3];
     uint32_t bits = 0;
@@ -455,11 +457,14 @@ ENG_INLINE uint32_t together(struct bounds box, struct bounds rows, bool quantis
         }
     }
     for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+        if (PARTS > 2 && (lanes >> at & ENG_F_ALL) == 0) {
+            continue;
+        }
         bits |= eng_fi_no_signs(quantised ? never_as_pairs(turned, rows, at)
                                           : never_as_floats(box, rows, at))
                 << at;
     }
-    return bits;
+    return bits & lanes;
 }
 
 /* ---- what moves, and what is foreign --------------------------------------------- */
@@ -966,7 +971,7 @@ ENG_INLINE uint32_t together_of(const struct eng_join *job, uint32_t slot, uint3
                                 : (const void *)&job->a[n].row[0][0][lane];
     const void *rows =
         quantised ? (const void *)&job->b_quantised[block] : (const void *)&job->b[block];
-    return lanes & together(rows_at(box, rule), rows_at(rows, rule), quantised);
+    return together(rows_at(box, rule), rows_at(rows, rule), lanes, quantised);
 }
 
 /* As many as there is room for. Times are looked at here, not before: what a list has
