@@ -208,22 +208,26 @@ static void fold_numbers(const struct eng_quantised_box below[ENG_WIDE],
                          struct eng_quantised_block *block,
                          struct eng_quantised_box *around)
 {
-    typedef int16_t numbers __attribute__((vector_size(sizeof *around)));
-    numbers most;
-    memcpy(&most, below, sizeof most);
+    /* One end: a larger vector would be compared number by number. */
+    typedef int16_t numbers __attribute__((vector_size(sizeof around->half[0])));
+    numbers most[2];
+    memcpy(most, &below[0], sizeof most);
     for (uint32_t i = 0; i < ENG_WIDE; i++) {
-        numbers box;
-        memcpy(&box, &below[i], sizeof box);
-        numbers is_larger = box > most;
-        most = (box & is_larger) | (most & ~is_larger);
-#pragma GCC unroll 6
-        for (uint32_t row = 0; row < 6; row++) {
-            uint32_t both;
-            memcpy(&both, &below[i].half[row / 3][2 * (row % 3)], sizeof both);
-            block->row[row / 3][row % 3][i] = both << 16 | both >> 16;
+#pragma GCC unroll 2
+        for (uint32_t end = 0; end < 2; end++) {
+            numbers box;
+            memcpy(&box, below[i].half[end], sizeof box);
+            numbers is_larger = box > most[end];
+            most[end] = (box & is_larger) | (most[end] & ~is_larger);
+#pragma GCC unroll 3
+            for (uint32_t k = 0; k < 3; k++) {
+                uint32_t both;
+                memcpy(&both, &below[i].half[end][2 * k], sizeof both);
+                block->row[end][k][i] = both << 16 | both >> 16;
+            }
         }
     }
-    memcpy(around, &most, sizeof most);
+    memcpy(around, most, sizeof *around);
 }
 
 /* Blocks first .. end - 1 of a level from 1 on. */
