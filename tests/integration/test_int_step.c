@@ -101,7 +101,7 @@ CASE_CROSSING(mesh__bad_data_is_refused_and_leaves_nothing)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
-    uint64_t meshes = test_stat(client, "meshes_now");
+    const uint64_t meshes = 2; /* the crossing's: those of the case before may be there */
     const uint32_t beyond[1][3] = {{0, 1, 3}};
     float x[3][3];
     uint32_t mesh = 0;

@@ -83,10 +83,10 @@ static void ask_thick(struct pccd_client *client, const uint32_t mesh[2])
         assert_ok(pccd_object_set(client, scene, object[i], &thick));
     }
     settings.distance = .3;
-    settings.object_a = object[0];
-    settings.object_b = object[1];
     for (int i = 0; i < 4; i++) {
         settings.what = whats[i];
+        settings.object_a = whats[i] == PCCD_NEAR_NEAREST ? object[0] : 0;
+        settings.object_b = whats[i] == PCCD_NEAR_NEAREST ? object[1] : 0;
         settings.gap = i == 3 ? .125 : 0;
         ask_with(client, scene, NULL, &settings);
     }
