@@ -177,6 +177,7 @@ struct body {
     mesh shape;
     uint32_t joint = PCCD_NO_JOINT; // of the chain
     std::shared_ptr<model> bvh;
+    std::vector<vector> x[2]; // at both ends, of one that deforms unless it turns
 };
 
 pccd_joint joint_at(uint32_t parent, const vector &position,
@@ -319,7 +320,10 @@ struct scene {
         pccd_answer answer{};
         uint64_t step;
         const uint32_t joint_count = uint32_t(joints.size());
-        const uint64_t room = joint_count * sizeof(pccd_joint) + objects.size() * 192;
+        uint64_t room = joint_count * sizeof(pccd_joint) + objects.size() * 192;
+        for (const auto &each : in.bodies) {
+            room += 2 * each.x[0].size() * sizeof(vector);
+        }
         answer.struct_bytes = sizeof answer;
         must(
             pccd_frame_begin(client, handle, uint32_t(objects.size()), 16 + room, &frame),
@@ -335,6 +339,17 @@ struct scene {
             if (!is_straight && (!is_half || i % 2 == 1)) {
                 must(pccd_frame_turning(&frame, objects[i], in.bodies[i].joint, count),
                      "body");
+                continue;
+            }
+            const std::vector<vector> *x = in.bodies[i].x;
+            if (!x[0].empty()) {
+                void *to[2];
+                must(pccd_frame_x0x1(&frame, objects[i], PCCD_FORMAT_F64, 0, count,
+                                     &to[0], &to[1]),
+                     "body");
+                for (int end = 0; end < 2; end++) {
+                    std::memcpy(to[end], x[end].data(), count * sizeof x[end][0]);
+                }
                 continue;
             }
             double m[2][12];
@@ -625,7 +640,7 @@ world panda_world(const std::string &folder, const json_t *problem, const json_t
         if (files.count(link.file) == 0) {
             files[link.file] = read_obj(folder + "/" + link.file);
         }
-        in.bodies.push_back({files[link.file], link.joint, nullptr});
+        in.bodies.push_back({files[link.file], link.joint, nullptr, {}});
     }
     std::map<std::string, size_t> numbers;
     for (size_t i = 0; i < std::size(panda_links); i++) {
@@ -641,7 +656,7 @@ world panda_world(const std::string &folder, const json_t *problem, const json_t
     }
     json_array_foreach(json_object_get(problem, "obstacles"), i, each)
     {
-        in.bodies.push_back({obstacle_of(each), PCCD_NO_JOINT, nullptr});
+        in.bodies.push_back({obstacle_of(each), PCCD_NO_JOINT, nullptr, {}});
     }
     in.motions.push_back(panda_motion(problem));
     in.prepare();
@@ -729,7 +744,8 @@ world rocks(int count)
     return made;
 }
 
-world balls(int side)
+// Balls of 320 triangles that go by `way` at most along each axis.
+world balls(int side, double way, bool deform)
 {
     world made;
     made.motions.resize(1);
@@ -739,8 +755,16 @@ world balls(int side)
     for (int i = 0; i < side * side * side; i++) {
         add_spinning(made, ball,
                      vector(i % side, i / side % side, i / side / side) * 2.2,
-                     vector(some(dice), some(dice), some(dice)) * 0.15,
+                     vector(some(dice), some(dice), some(dice)) * way,
                      vector(some(dice), some(dice), 1), 0.3 * some(dice));
+    }
+    for (int end = 0; end < 2 && deform; end++) {
+        for (auto &each : made.bodies) {
+            const transform pose = pose_of(made.motions[0], each.joint, end);
+            for (const auto &x : each.shape.x) {
+                each.x[end].push_back(pose * x);
+            }
+        }
     }
     return made;
 }
@@ -818,9 +842,19 @@ void games(int times)
     fine.tolerance = 1e-6 / (2 * M_PI);
     beside_straight("a hinge of 360 degrees, first", hinge(true), hinge(false), fine,
                     times, false);
-    const world some = balls(7);
-    beside_straight("balls, half of them turn, all", some, some,
-                    one_thread(PCCD_MODE_ALL), times, true);
+    const struct {
+        const char *name;
+        int side, part; // balls along each axis; this part of the steps
+        double way;
+        bool deform;
+    } rows[] = {{"343 balls, half of them turn, all", 7, 1, 0.15, false},
+                {"the same beside balls that deform", 7, 1, 0.15, true},
+                {"125 of these, ten times as far", 5, 4, 1.5, true}};
+    for (const auto &row : rows) {
+        const world some = balls(times == 1 ? 2 : row.side, row.way, row.deform);
+        beside_straight(row.name, some, some, one_thread(PCCD_MODE_ALL),
+                        1 + (times - 1) / row.part, true);
+    }
 }
 
 } // namespace
