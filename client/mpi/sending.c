@@ -121,12 +121,21 @@ int ranks_sending_make(struct pccd_mpi *world, const struct ranks_sending *sendi
 
 int ranks_sending_commit(struct pccd_mpi *world, const struct ranks_sending *sending,
                          struct pccd_frame *frame,
-                         const struct pccd_step_settings *settings, uint64_t *step)
+                         const struct pccd_step_settings *settings,
+                         struct pccd_answer *answer)
 {
+    uint64_t step = 0;
     int status = end_lending(world, sending, true);
     if (status != PCCD_OK) {
         drop_frame(world, sending, frame);
         return status;
     }
-    return pccd_frame_commit(frame, settings, step);
+    status = pccd_frame_commit(frame, settings, &step);
+    if (status == PCCD_OK) {
+        status = pccd_wait(world->client, step, -1, answer);
+    }
+    if (status != PCCD_OK) { /* one that was refused has not taken what was lent for it */
+        (void)end_lending(world, sending, false);
+    }
+    return status;
 }

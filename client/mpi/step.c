@@ -273,14 +273,14 @@ static int commit(struct pccd_mpi *world, const struct ranks_moment *moment,
                                      its last step */
         }
         status = pccd_frame_commit_near(frame, &all, &step);
+        if (status == PCCD_OK) {
+            status = pccd_wait(world->client, step, -1, answer);
+        }
     } else {
         struct pccd_step_settings settings = moment->settings;
         settings.deadline_ns = ranks_stop_rest(&world->stop);
         const struct ranks_sending sending = sending_of(world, moment);
-        status = ranks_sending_commit(world, &sending, frame, &settings, &step);
-    }
-    if (status == PCCD_OK) {
-        status = pccd_wait(world->client, step, -1, answer);
+        status = ranks_sending_commit(world, &sending, frame, &settings, answer);
     }
     answer->number -= world->weighings;
     return ranks_local_status(world, status, "the step failed");
@@ -351,14 +351,10 @@ static int count_pairs(struct pccd_mpi *world, const struct ranks_moment *moment
                        struct pccd_answer *answer)
 {
     struct pccd_step_settings settings = moment->settings;
-    uint64_t step = 0;
     settings.mode = PCCD_MODE_ALL;
     settings.deadline_ns = ranks_stop_rest(&world->stop);
     world->weighings++;
-    int status = ranks_sending_commit(world, sending, frame, &settings, &step);
-    if (status == PCCD_OK) {
-        status = pccd_wait(world->client, step, -1, answer);
-    }
+    int status = ranks_sending_commit(world, sending, frame, &settings, answer);
     ranks_pairs_count_end(world);
     if (status != PCCD_OK) {
         return ranks_local_status(world, status, "the leaves were not weighed");

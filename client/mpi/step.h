@@ -54,10 +54,11 @@ struct ranks_sending {
 int ranks_sending_make(struct pccd_mpi *world, const struct ranks_sending *sending,
                        struct pccd_frame *frame);
 
-/* Commit, in this rank alone, the step of what was sent, or of nothing, as
- * pccd_frame_commit does. */
+/* Make, in this rank alone, the step of what was sent, or of nothing, as
+ * pccd_frame_commit and pccd_wait do. */
 int ranks_sending_commit(struct pccd_mpi *world, const struct ranks_sending *sending,
                          struct pccd_frame *frame,
-                         const struct pccd_step_settings *settings, uint64_t *step);
+                         const struct pccd_step_settings *settings,
+                         struct pccd_answer *answer);
 
 #endif

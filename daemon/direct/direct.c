@@ -490,6 +490,7 @@ static int lend_positions(struct srv_session *session, uint32_t handle, uint32_t
         return eng_stage_map(scene->engine, placed->engine_idx, x0, x1);
     }
     if (what == PROTO_DIRECT_FORGET) {
+        placed->mapped = SRV_MAPPED_NOTHING;
         eng_stage_unmap(scene->engine, placed->engine_idx);
         return 0;
     }

@@ -55,7 +55,10 @@ for count in $counts; do
         [ "$all" = 0 ] && plays=6
         [ "$all$PCCD_MPI" = 1mpich ] && plays=15
     fi
-    ranks "$count" "$top_builddir/tests/mpi/same_as_one" $plays 60 "$((1000 * count))" >"$log" 2>&1
+    # Memory that nobody has written to has coordinates beyond 1e18. Play 8019 refuses a step, and
+    # then has an object without leaves on some ranks.
+    MALLOC_PERTURB_=128 ranks "$count" "$top_builddir/tests/mpi/same_as_one" $plays 60 \
+        "$((1000 * count + 19))" >"$log" 2>&1
     tap_result $? "mpi__plays_of_${count}_ranks_are_those_of_one_process" "$log"
 done
 
