@@ -361,6 +361,15 @@ static bool rounds_to_float(double value)
             (fabs(value) >= (double)FLT_MIN && fabs(value) < (double)FLT_MAX));
 }
 
+/* Return whether all of a word was read. Numbers of files are decimal: what C reads as a
+ * hexadecimal one has an x, and is none. */
+static bool is_number(const struct ctl_word *word, const char *stop)
+{
+    size_t length = (size_t)(word->end - word->at);
+    return stop == NULL || (stop == word->end && memchr(word->at, 'x', length) == NULL &&
+                            memchr(word->at, 'X', length) == NULL);
+}
+
 bool ctl_word_float(const struct ctl_word *word, double *value)
 {
     char *stop = NULL;
@@ -368,7 +377,7 @@ bool ctl_word_float(const struct ctl_word *word, double *value)
         *value = (double)strtof(word->at, &stop);
     }
     *value = (double)(float)*value;
-    return stop == NULL || stop == word->end;
+    return is_number(word, stop);
 }
 
 bool ctl_word_double(const struct ctl_word *word, double *value)
@@ -377,7 +386,7 @@ bool ctl_word_double(const struct ctl_word *word, double *value)
     if (!read_quickly(word, value)) {
         *value = strtod(word->at, &stop);
     }
-    return stop == NULL || stop == word->end;
+    return is_number(word, stop);
 }
 
 bool ctl_word_integer(const struct ctl_word *word, int64_t *value)
