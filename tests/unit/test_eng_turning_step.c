@@ -115,7 +115,8 @@ static void cast_draw(struct cast *cast, struct prng *random)
                         prng_between(random, -0.1, 0.1)};
         for (uint32_t v = 0; v < vertices_of(cast, i); v++) {
             for (int k = 0; k < 3; k++) {
-                cast->to[i][v][k] = cast->x[i][v][k] + by[k];
+                cast->to[i][v][k] =
+                    cast->x[i][v][k] + by[k] + prng_between(random, -0.1, 0.1);
             }
         }
     }
@@ -283,6 +284,38 @@ CASE(turning__sweeps_more_than_its_chords)
         assert_true(result.count > 0);
         assert_true(result.toi_first > 0.05 && result.toi_first < 0.25);
     }
+}
+
+/* If it failed: along chords, what grows would be looked for where it begins, or as large
+ * as it is there. */
+CASE(turning__meets_what_grows)
+{
+    struct pccd_joint joint = hinge(PCCD_NO_JOINT, 0, 0, 0, 0.2);
+    struct eng_question settings = ENG_QUESTION_DEFAULT;
+    struct answer want;
+    joint.from[0] = -0.8; /* too far for chords, unless a test wants them */
+    for (int by_chords = 0; by_chords < 2; by_chords++) {
+        settings.team_always = by_chords;
+        kit_begin_with(bar(0), kit_box((const double[3]){0.9, 0.1, -0.2},
+                                       (const double[3]){1.1, 0.4, 1}, false));
+        const double(*x1)[3] = eng_mesh_vertices(eng_scene_mesh(kit.scene, kit.idx[1]));
+        double x0[8][3];
+        for (int v = 0; v < 8; v++) {
+            for (int k = 0; k < 3; k++) {
+                x0[v][k] = 0.01 * x1[v][k] + 0.4; /* beside the way of the bar */
+            }
+        }
+        check_staging(kit.scene, kit.idx[0], &joint);
+        assert_ok(eng_stage_x0x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, 8,
+                                 (const double(*)[3])x0, x1));
+        struct eng_step_result result = kit_step(kit.scene, &settings);
+        if (by_chords == 0) {
+            assert_true(result.count > 0);
+            answer_keep(&result, &want);
+        }
+        assert_null(answer_difference(&want, &result));
+    }
+    answer_free(&want);
 }
 
 /* If it failed: an answer would depend on the way in which it was found, or on the steps

@@ -48,12 +48,13 @@
 #define NODE_NONE UINT32_MAX
 
 /* A side of the pair. A point b of its frame, measured from the origin of its boxes, lies
- * at r[end] b + off[end] along an axis. */
+ * at r[end] b + off[end] along an axis. What deforms has points of its own at each end,
+ * in the frame of the world. */
 struct view {
     const struct eng_object *object;
     uint32_t index; /* of the object */
     const struct eng_body_tree *tree;
-    const struct eng_body_boxes *boxes;
+    const struct eng_body_boxes *boxes[2];
     const struct eng_path_box *box; /* around all of these */
     const double *origin;
     const double *pose[2];
@@ -63,9 +64,10 @@ struct view {
     float most[AXES][3]; /* the larger magnitude of both ends */
     float off[2][AXES];
     float m[2][3][4]; /* the same along the axes of the world, off last */
-    struct leaf_corners own;
-    bool turns; /* r is not the same at both ends */
-    bool rests; /* m is: what it places is where it was */
+    struct leaf_corners own[2];
+    bool deforms; /* boxes and own are not the same at both ends */
+    bool turns;   /* r is not */
+    bool rests;   /* nothing of it moves: own and m are the same */
 };
 
 /* Intervals of the children of a node along the axes: middles at both ends, and halves
@@ -234,7 +236,8 @@ static void set_view(struct view *view, const double axes[AXES][3],
             }
         }
     }
-    view->rests = memcmp(view->m[0], view->m[1], sizeof view->m[0]) == 0;
+    view->rests =
+        !view->deforms && memcmp(view->m[0], view->m[1], sizeof view->m[0]) == 0;
     if (!view->turns) {
         memcpy(view->r[1], view->r[0], sizeof view->r[1]);
     }
@@ -277,16 +280,17 @@ static void set_side(struct view *view, const struct eng_turning_side *side)
 {
     view->object = side->object;
     view->tree = eng_body_tree_of(side->object->mesh);
-    view->boxes = side->poses ? view->tree->boxes : side->body->boxes[0];
     view->box = side->poses ? &view->tree->box : &side->body->box;
     view->origin = side->poses ? view->tree->origin : side->body->origin;
-    view->pose[0] = side->poses ? side->poses[0] : stands;
-    view->pose[1] = side->poses ? side->poses[1] : stands;
-    view->own = (struct leaf_corners){
-        side->poses ? (const double(*)[3])side->object->mesh->x : side->body->x[0],
-        view->origin, side->object->mesh->leaves};
-    view->x[0] = side->body->x[0];
-    view->x[1] = side->body->x[1];
+    for (int end = 0; end < 2; end++) {
+        view->x[end] = side->body->x[end];
+        view->boxes[end] = side->poses ? view->tree->boxes : side->body->boxes[end];
+        view->pose[end] = side->poses ? side->poses[end] : stands;
+        view->own[end] = (struct leaf_corners){
+            side->poses ? (const double(*)[3])side->object->mesh->x : view->x[end],
+            view->origin, side->object->mesh->leaves};
+    }
+    view->deforms = view->boxes[0] != view->boxes[1];
     view->is_placed = side->joint != PCCD_NO_JOINT;
 }
 
@@ -347,20 +351,25 @@ static inline f4 turned(const float r[3], const f4 x[3])
     return all4(r[0]) * x[0] + all4(r[1]) * x[1] + all4(r[2]) * x[2];
 }
 
-/* Set the intervals of the children of a node along an axis. */
-static inline void set_shadow(const struct view *view, const struct eng_body_boxes *boxes,
-                              int k, struct shadows *shadows)
+/* Set the intervals of the children of a node along an axis; `boxes`: theirs at both
+ * ends. */
+static inline void set_shadow(const struct view *view,
+                              const struct eng_body_boxes *const boxes[2], int k,
+                              struct shadows *shadows)
 {
-    f4 x = turned(view->r[0][k], boxes->centre);
+    const bool differs = view->turns || view->deforms;
+    f4 x = turned(view->r[0][k], boxes[0]->centre);
     shadows->middle[0][k] = x + all4(view->off[0][k]);
-    x = view->turns ? turned(view->r[1][k], boxes->centre) : x;
+    x = differs ? turned(view->r[1][k], boxes[1]->centre) : x;
     shadows->middle[1][k] = x + all4(view->off[1][k]);
-    shadows->half[k] = turned(view->most[k], boxes->half);
+    x = turned(view->most[k], boxes[0]->half);
+    shadows->half[k] =
+        view->deforms ? eng_max4(x, turned(view->most[k], boxes[1]->half)) : x;
 }
 
 /* Have the shadows of the children along the first axes, a multiple of three. */
 static void know(const struct eng_straight *straight, int side, struct opened *opened,
-                 const struct eng_body_boxes *boxes, int axes)
+                 const struct eng_body_boxes *const boxes[2], int axes)
 {
     struct shadows *shadows = &opened->shadows;
     for (; opened->known < axes; opened->known++) {
@@ -401,12 +410,21 @@ static void close_node(struct opened *opened)
     opened->users--;
 }
 
+/* As know(), of a node that is opened. */
+static void know_node(const struct eng_straight *straight, int side,
+                      struct opened *opened, int axes)
+{
+    const struct view *view = &straight->side[side];
+    const struct eng_body_boxes *const boxes[2] = {view->boxes[0] + opened->node,
+                                                   view->boxes[1] + opened->node};
+    know(straight, side, opened, boxes, axes);
+}
+
 /* Return which children of a node of a side may meet an item of the other one; of these
  * all shadows are known. */
 static unsigned may_meet(struct eng_straight *straight, int side, struct opened *opened,
                          const struct item *other)
 {
-    const struct eng_body_boxes *boxes = &straight->side[side].boxes[opened->node];
     const float bound = straight->worker->box_bound;
     const struct shadows *of = &other->opened->shadows;
     const struct shadows *shadows = &opened->shadows;
@@ -414,7 +432,7 @@ static unsigned may_meet(struct eng_straight *straight, int side, struct opened 
     straight->worker->record.box_tests += 4;
     for (int first = 0; first < straight->axes; first += 3) {
         if (opened->known == first) {
-            know(straight, side, opened, boxes, first + 3);
+            know_node(straight, side, opened, first + 3);
         }
 #pragma GCC unroll 3
         for (int k = first; k < first + 3; k++) {
@@ -450,7 +468,7 @@ static struct item item_of(struct eng_straight *straight, int side, uint32_t ref
     const struct view *view = &straight->side[side];
     if (ref > 0) {
         struct opened *opened = open_node(straight, side, (ref - 1) / 4, own);
-        know(straight, side, opened, &view->boxes[opened->node], straight->axes);
+        know_node(straight, side, opened, straight->axes);
         return child_of(view, opened, (ref - 1) % 4);
     }
     struct eng_body_boxes root = {{{0}}, {{0}}};
@@ -462,7 +480,8 @@ static struct item item_of(struct eng_straight *straight, int side, uint32_t ref
     own->node = NODE_NONE;
     own->users = 1;
     own->known = 0;
-    know(straight, side, own, &root, straight->axes);
+    know(straight, side, own, (const struct eng_body_boxes *const[2]){&root, &root},
+         straight->axes);
     return (struct item){.opened = own};
 }
 
@@ -473,26 +492,20 @@ static bool is_leaf(const struct item *item)
 
 /* ---- a leaf and the leaves of a node ----------------------------------------------- */
 
-/* Place corners of four leaves where they are at both ends. */
-static void place_four(const struct view *view, const struct vectors from[3],
-                       struct vectors to[2][3])
+/* Place corners of four leaves where they are at an end. */
+static void place_four(const struct view *view, int end, const struct vectors from[3],
+                       struct vectors to[3])
 {
-    for (int end = 0; end < 2; end++) {
-        if (end == 1 && view->rests) {
-            memcpy(to[1], to[0], sizeof to[1]);
-            break;
-        }
 #pragma GCC unroll 3
-        for (int k = 0; k < 3; k++) {
-            const f4 x = all4(view->m[end][k][0]);
-            const f4 y = all4(view->m[end][k][1]);
-            const f4 z = all4(view->m[end][k][2]);
-            const f4 off = all4(view->m[end][k][3]);
+    for (int k = 0; k < 3; k++) {
+        const f4 x = all4(view->m[end][k][0]);
+        const f4 y = all4(view->m[end][k][1]);
+        const f4 z = all4(view->m[end][k][2]);
+        const f4 off = all4(view->m[end][k][3]);
 #pragma GCC unroll 3
-            for (int i = 0; i < 3; i++) {
-                const f4 *b = from[i].x;
-                to[end][i].x[k] = off + x * b[0] + y * b[1] + z * b[2];
-            }
+        for (int i = 0; i < 3; i++) {
+            const f4 *b = from[i].x;
+            to[i].x[k] = off + x * b[0] + y * b[1] + z * b[2];
         }
     }
 }
@@ -500,14 +513,24 @@ static void place_four(const struct view *view, const struct vectors from[3],
 /* Have the leaves of a node of a side placed. */
 static void place_leaves(const struct view *view, struct opened *opened)
 {
-    if (!opened->is_placed) {
-        struct vectors own[3];
-        load_four(&view->own, view->tree->children[opened->node], own);
-        place_four(view, own, opened->x);
-        opened->normals = normals_of((const struct vectors(*)[3])opened->x,
-                                     all4(1) / opened->shadows.size);
-        opened->is_placed = true;
+    const uint32_t *children = view->tree->children[opened->node];
+    if (opened->is_placed) {
+        return;
     }
+    struct vectors own[3];
+    load_four(&view->own[0], children, own);
+    place_four(view, 0, own, opened->x[0]);
+    if (view->rests) {
+        memcpy(opened->x[1], opened->x[0], sizeof opened->x[1]);
+    } else {
+        if (view->deforms) {
+            load_four(&view->own[1], children, own);
+        }
+        place_four(view, 1, own, opened->x[1]);
+    }
+    opened->normals =
+        normals_of((const struct vectors(*)[3])opened->x, all4(1) / opened->shadows.size);
+    opened->is_placed = true;
 }
 
 /* Set all four vectors to one of four. */

@@ -1,6 +1,7 @@
 /* straight.h - the contacts of two objects that go straight, each between two poses of
  * its whole mesh, or stand; or of which one turns, but hardly leaves the chords of its
- * way: found by trees that stay in the frames of the meshes.
+ * way, and the other one may deform: found by trees that stay in the frames of the
+ * meshes, but for those of what deforms.
  *
  * Go down both trees. What the two poses make of a box, along an axis, is an interval at
  * either end of the step, and whatever is within it goes straight; so an axis that keeps
@@ -32,7 +33,7 @@ struct eng_turning_side {
     const struct eng_body *body;
     uint32_t joint; /* that it hangs on; PCCD_NO_JOINT: it does not turn */
     /* Where it goes straight by two poses: these, and the boxes of its mesh count. NULL:
-     * those of the body do, where they are, the same at both ends. */
+     * those of the body do, where they are at either end. */
     const double (*poses)[12];
 };
 

@@ -46,8 +46,8 @@ struct eng_turning_objects {
      * to that. */
     double resolution;
     uint64_t tests_most; /* of boxes, by a task; 0: the default. Fewer are for tests */
-    /* Chords: nothing is thick, and what does not turn has poses, or stands. BY_BEND:
-     * these, if eng_turning_bends_little; both turn, or stand. */
+    /* Chords: nothing is thick. BY_BEND: these, if eng_turning_bends_little; both turn,
+     * or stand. */
     enum eng_turning_way way;
 };
 

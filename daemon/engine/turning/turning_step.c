@@ -400,9 +400,6 @@ static enum eng_turning_way way_of(const struct eng_turning_step *step, uint32_t
         if (object->joint != PCCD_NO_JOINT) {
             bend = &step->parts[i == 0 ? a : b].bend;
             turning++;
-        } else {
-            can &= goes_by_poses(step, object) ||
-                   object->moved_number < scene->moving.number;
         }
     }
     return !can                                ? ENG_TURNING_BY_SPANS
