@@ -203,6 +203,7 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
     struct eng_rigid *rigid = &scene->rigid;
     rigid->objects = 0;
     rigid->leaves = 0;
+    rigid->apart = 0;
     rigid->wanted = ENG_NO_OBJECT;
     for (uint32_t i = scene->object_capacity; i-- > 0;) {
         const struct eng_object *object = &scene->objects[i];
@@ -211,6 +212,7 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
         enum eng_self self = ENG_SELF_TESTED;
         if (object->mesh && may_leave_out && object->joint != PCCD_NO_JOINT) {
             self = ENG_SELF_APART; /* nor does what turns meet itself */
+            rigid->apart++;
         } else if (is_wanted && object->clearance > object->rounding_reach[0]) {
             self = object->has_crowded ? ENG_SELF_CROWDED : ENG_SELF_EXEMPT;
             rigid->objects++;

@@ -165,6 +165,7 @@ struct eng_rigid {
     bool is_possible; /* some have a clearance */
     uint32_t objects; /* that are left out, but for what is crowded */
     uint64_t leaves;  /* of these */
+    uint32_t apart;   /* that turn: others see to all of their pairs */
     uint32_t wanted;  /* the first whose clearance is to be found; ENG_NO_OBJECT */
 };
 

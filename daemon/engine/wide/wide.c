@@ -233,21 +233,27 @@ static int reserve(unsigned char **block, uint64_t *bytes, uint64_t wanted)
     return PCCD_OK;
 }
 
+void eng_wide_put_nowhere(const struct eng_wide_tree *tree, uint32_t first, uint32_t end,
+                          bool floats)
+{
+    for (uint32_t block = first; block < end; block++) {
+        for (uint32_t i = 0; floats && i < 4 * ENG_SIDES; i++) {
+            tree->float_boxes[block].side[i / 4][i % 4] = ENG_NOWHERE;
+        }
+        for (uint32_t i = 0; !floats && i < 12; i++) {
+            tree->quantised_boxes[block].half[i / 6][i % 6] = INT16_MIN;
+        }
+    }
+}
+
 /* Boxes that fill the last node of a level up: it has sixteen. Of floats or of whole
  * numbers. */
 static void fill_levels_up(const struct eng_wide *wide, const struct eng_wide_tree *tree,
                            bool floats)
 {
     for (uint32_t level = 0; level + 1 < wide->level_count; level++) {
-        uint32_t block = tree->first[level] + tree->block_count[level];
-        for (; block < tree->first[level + 1]; block++) {
-            for (uint32_t i = 0; floats && i < 4 * ENG_SIDES; i++) {
-                tree->float_boxes[block].side[i / 4][i % 4] = ENG_NOWHERE;
-            }
-            for (uint32_t i = 0; !floats && i < 12; i++) {
-                tree->quantised_boxes[block].half[i / 6][i % 6] = INT16_MIN;
-            }
-        }
+        eng_wide_put_nowhere(tree, tree->first[level] + tree->block_count[level],
+                             tree->first[level + 1], floats);
     }
 }
 

@@ -114,6 +114,7 @@ struct eng_wide {
      * pairs of plain swept boxes: to compare with other libraries. No step does so. */
     bool is_swept;
     bool boxes_are_old; /* not made since the trees were put together */
+    bool lacks_apart; /* the last refit made none for what turns: it is nowhere */
     struct eng_extents around; /* all vertices: of the last refit */
     uint64_t boxes_of;  /* moving.number of the step that they are of; 0: of none */
     uint64_t refit_of;  /* .. that they will be of */
@@ -189,6 +190,21 @@ static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
     return (uint64_t)wide->trees[tree].object_id[slot / ENG_WIDE] << 32 |
            wide->trees[tree].index[slot];
 }
+
+/* Return the object whose features are in a block of the lowest level; ENG_NO_OBJECT:
+ * nobody's. */
+static inline uint32_t eng_wide_owner_of(const struct eng_wide *wide, enum pccd_tree kind,
+                                         uint32_t block)
+{
+    uint32_t slot = block * ENG_WIDE;
+    slot = kind == PCCD_TREE_VERTICES ? slot : wide->trees[kind].corner[0][slot];
+    static_assert(ENG_WIDE_NOBODY >> 32 == ENG_NO_OBJECT, "as any other object");
+    return (uint32_t)(wide->points[slot].word0 >> 32);
+}
+
+/* Have boxes around some blocks that are nowhere, in floats or in whole numbers. */
+void eng_wide_put_nowhere(const struct eng_wide_tree *tree, uint32_t first, uint32_t end,
+                          bool floats);
 
 /* Return the blocks of a level in floats, which are there in a step that compares
  * these. */

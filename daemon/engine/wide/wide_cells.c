@@ -24,7 +24,8 @@ bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
                      double low[3], double high[3])
 {
     const struct eng_extents *box = &wide->around;
-    if (wide->boxes_are_old || scene->framing.number != wide->frames) {
+    if (wide->boxes_are_old || wide->lacks_apart ||
+        scene->framing.number != wide->frames) {
         return eng_box_frames_extent(scene, low, high);
     }
     for (int k = 0; k < 3; k++) {

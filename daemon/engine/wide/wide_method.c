@@ -250,8 +250,8 @@ static void survey(struct eng_scene *scene)
 static bool has_boxes(const struct eng_scene *scene)
 {
     const struct eng_wide *wide = eng_wide_of(scene);
-    return !wide->is_stale && !wide->boxes_are_old && wide->boxes_of != 0 &&
-           wide->boxes_of == scene->moving.number &&
+    return !wide->is_stale && !wide->boxes_are_old && !wide->lacks_apart &&
+           wide->boxes_of != 0 && wide->boxes_of == scene->moving.number &&
            wide->frames == scene->framing.number &&
            wide->thickness == scene->thickness.number;
 }
@@ -276,7 +276,7 @@ static void start(struct eng_team *team, const struct eng_question *question)
     keeps &= eng_wide_quantised_choose(wide, team->scene,
                                        question->mode != PCCD_MODE_PAIRS, keeps);
     keeps &= eng_wide_grid_choose(wide, team->scene);
-    if (!keeps) {
+    if (!keeps || wide->lacks_apart) {
         wide->boxes_of = 0; /* until they are made, if nothing stops that */
     }
     eng_wide_still_begin(wide, team->scene, keeps, team->prunes);

@@ -164,8 +164,9 @@ static void quantised_points(struct eng_wide *wide, const struct eng_scene *scen
 }
 
 static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
-                         enum pccd_tree kind, uint32_t block, uint32_t count)
+                         enum pccd_tree kind, uint32_t block, uint32_t end)
 {
+    const uint32_t count = end - block;
     uint32_t slot = block * ENG_WIDE;
     bool is_quantised = wide->has_quantised && !wide->is_swept;
     if (kind == PCCD_TREE_VERTICES && is_quantised) {
@@ -183,6 +184,38 @@ static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
         wide->kernels->quantised_unite(wide->trees[PCCD_TREE_VERTICES].quantised, corner,
                                        count, tree->quantised + block,
                                        tree->quantised_boxes + block);
+    }
+}
+
+/* Return whether nothing asks for boxes of a block, as it is of an object that turns. The
+ * last one of vertices has the slot that is nobody's, too, which others ask for. */
+static bool is_left_out(const struct eng_wide *wide, const struct eng_scene *scene,
+                        enum pccd_tree kind, uint32_t block)
+{
+    uint32_t owner = eng_wide_owner_of(wide, kind, block);
+    bool is_last = block + 1 == wide->trees[kind].block_count[0];
+    return owner != ENG_NO_OBJECT && !(is_last && kind == PCCD_TREE_VERTICES) &&
+           scene->masks.entries[owner].left_out == ENG_SELF_APART;
+}
+
+/* Blocks first .. end - 1; those that are left out are nowhere, so that nodes above them
+ * are around the others. */
+static void refit_others(struct eng_wide *wide, const struct eng_scene *scene,
+                         enum pccd_tree kind, uint32_t first, uint32_t end)
+{
+    while (first < end) {
+        bool leaves_out = is_left_out(wide, scene, kind, first);
+        uint32_t next = first + 1;
+        while (next < end && is_left_out(wide, scene, kind, next) == leaves_out) {
+            next++;
+        }
+        if (leaves_out) {
+            eng_wide_put_nowhere(&wide->trees[kind], first, next,
+                                 !wide->has_quantised || wide->is_swept);
+        } else {
+            refit_blocks(wide, scene, kind, first, next);
+        }
+        first = next;
     }
 }
 
@@ -256,16 +289,19 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
     uint32_t block = chunk * ENG_WIDE_CHUNK_BLOCKS;
     uint32_t count = smaller(ENG_WIDE_CHUNK_BLOCKS, tree->block_count[0] - block);
     bool moves = !wide->has_moving || eng_wide_still_mark_chunk(wide, kind, chunk);
+    void (*refit)(struct eng_wide *, const struct eng_scene *, enum pccd_tree,
+                  uint32_t first, uint32_t end) =
+        wide->lacks_apart ? refit_others : refit_blocks;
     if (wide->keeps) {
         if (!moves) {
             return;
         }
         uint32_t first, end = block;
         while (next_moving(tree->moving, block + count, &first, &end)) {
-            refit_blocks(wide, scene, kind, first, end - first);
+            refit(wide, scene, kind, first, end);
         }
     } else {
-        refit_blocks(wide, scene, kind, block, count);
+        refit(wide, scene, kind, block, block + count);
     }
     if (wide->level_count > 1) {
         uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;

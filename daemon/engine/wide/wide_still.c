@@ -164,6 +164,7 @@ void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
                           bool keeps, bool prunes)
 {
     wide->refit_of = scene->moving.number;
+    wide->lacks_apart = scene->rigid.apart > 0;
     wide->keeps = keeps;
     wide->has_moving = keeps || prunes;
     if (wide->has_moving) {
