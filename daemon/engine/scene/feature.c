@@ -22,6 +22,10 @@
 /* Leaves of a mesh below which one thread derives it: half a millisecond. */
 #define TEAM_LEAVES_MIN 16384u
 
+/* Leaves, or entries, after which what is fetched is used: with numbers that are shuffled
+ * each is far from the others. */
+#define AHEAD 16u
+
 /* Entries of a vertex that are sorted where they are. */
 #define INSERTED_MAX 24u
 
@@ -36,43 +40,52 @@ struct by_vertex {
     size_t repeats;             /* of these, like the one before them of their vertex */
 };
 
+/* Entries that a leaf has of one of its vertices. */
 struct said {
     uint32_t vertex;
-    uint64_t entry;
+    uint32_t count;
+    uint64_t entry[2];
 };
 
-/* Tell what number `t` names; returns how many. */
-typedef unsigned (*say_fn)(const uint32_t *corners, uint32_t t, struct said said[3]);
+/* Tell what leaf `t` names, of how many vertices. */
+typedef unsigned (*say_fn)(const uint32_t *corners, uint32_t t, struct said said[2]);
 
-/* Each side that is an edge: of its higher vertex (lower, number). */
-static inline unsigned say_sides(const uint32_t *corners, uint32_t t, struct said said[3])
-{
-    unsigned count = 0;
-    for (unsigned k = 0; k < 3; k++) {
-        uint32_t a = corners[k];
-        uint32_t b = corners[(k + 1) % 3];
-        if (a != b) {
-            said[count].vertex = a < b ? b : a;
-            said[count].entry = (uint64_t)(a < b ? a : b) << 32 | t;
-            count++;
-        }
-    }
-    return count;
-}
-
-/* All corners: of the highest (middle, lowest). */
-static inline unsigned say_corners(const uint32_t *corners, uint32_t t,
-                                   struct said said[3])
+static inline void sort_corners(const uint32_t *corners, uint32_t sorted[3])
 {
     uint32_t a = corners[0];
     uint32_t b = corners[1];
     uint32_t c = corners[2];
-    uint32_t low = a < b ? (a < c ? a : c) : (b < c ? b : c);
-    uint32_t high = a > b ? (a > c ? a : c) : (b > c ? b : c);
-    uint32_t middle = a ^ b ^ c ^ low ^ high;
+    sorted[0] = a < b ? (a < c ? a : c) : (b < c ? b : c);
+    sorted[2] = a > b ? (a > c ? a : c) : (b > c ? b : c);
+    sorted[1] = a ^ b ^ c ^ sorted[0] ^ sorted[2];
+}
+
+/* Each side that is an edge: of its higher vertex (lower, number). */
+static inline unsigned say_sides(const uint32_t *corners, uint32_t t, struct said said[2])
+{
+    uint32_t v[3];
+    sort_corners(corners, v);
+    uint64_t lowest = (uint64_t)v[0] << 32 | t;
+    said[0].vertex = v[2];
+    said[0].count = (uint32_t)(v[0] != v[2]) + (uint32_t)(v[1] != v[2]);
+    said[0].entry[0] = lowest;
+    said[0].entry[1] = (uint64_t)v[1] << 32 | t;
+    said[1].vertex = v[1];
+    said[1].count = v[0] != v[1];
+    said[1].entry[0] = lowest;
+    return 2;
+}
+
+/* All corners: of the highest (middle, lowest). */
+static inline unsigned say_corners(const uint32_t *corners, uint32_t t,
+                                   struct said said[2])
+{
+    uint32_t v[3];
     (void)t;
-    said[0].vertex = high;
-    said[0].entry = (uint64_t)middle << 32 | low;
+    sort_corners(corners, v);
+    said[0].vertex = v[2];
+    said[0].count = 1;
+    said[0].entry[0] = (uint64_t)v[1] << 32 | v[0];
     return 1;
 }
 
@@ -81,13 +94,17 @@ static inline size_t deal(const struct eng_mesh *mesh, uint32_t named, say_fn sa
                           struct by_vertex *by)
 {
     size_t vertex_count = mesh->info.vertex_count;
-    struct said said[3];
+    struct said said[2];
     size_t most = 0;
     memset(by->first, 0, (vertex_count + 1) * sizeof *by->first);
     by->count = 0;
     for (uint32_t t = 0; t < named; t++) {
+        const uint32_t *ahead = mesh->corners[t + AHEAD < named ? t + AHEAD : t];
+        for (unsigned k = 0; k < 3; k++) {
+            __builtin_prefetch(&by->first[ahead[k]], 1);
+        }
         for (unsigned i = say(mesh->corners[t], t, said); i-- > 0;) {
-            by->first[said[i].vertex]++;
+            by->first[said[i].vertex] += said[i].count;
         }
     }
     for (size_t v = 0; v <= vertex_count; v++) { /* its end; while dealing, its begin */
@@ -96,8 +113,17 @@ static inline size_t deal(const struct eng_mesh *mesh, uint32_t named, say_fn sa
         by->first[v] = by->count;
     }
     for (uint32_t t = named; t-- > 0;) {
+        const uint32_t *ahead = mesh->corners[t >= AHEAD ? t - AHEAD : t];
+        const uint32_t *next = mesh->corners[t >= AHEAD / 2 ? t - AHEAD / 2 : t];
+        for (unsigned k = 0; k < 3; k++) {
+            __builtin_prefetch(&by->first[ahead[k]], 1);
+            __builtin_prefetch(&by->entry[by->first[next[k]]], 1);
+        }
         for (unsigned i = say(mesh->corners[t], t, said); i-- > 0;) {
-            by->entry[--by->first[said[i].vertex]] = said[i].entry;
+            size_t at = by->first[said[i].vertex] -= said[i].count;
+            for (uint32_t e = 0; e < said[i].count; e++) {
+                by->entry[at + e] = said[i].entry[e];
+            }
         }
     }
     return most;
@@ -179,15 +205,6 @@ static bool has_zero_area(const double (*x)[3], const uint32_t *v)
     return true;
 }
 
-static void init_leaves(const struct eng_mesh *mesh, uint32_t named,
-                        struct eng_face *leaves)
-{
-    for (uint32_t t = 0; t < named; t++) {
-        memcpy(leaves[t].v, mesh->corners[t], sizeof leaves[t].v);
-        leaves[t].owns = t < mesh->info.triangle_count ? ENG_OWNS_FACE : 0;
-    }
-}
-
 /* The first side of a leaf between these two, which has one. */
 static unsigned side_of(const uint32_t *v, uint32_t low, uint32_t high)
 {
@@ -213,6 +230,8 @@ static bool assign_edges(const struct eng_mesh *mesh, struct by_vertex *by,
         uint64_t low = UINT64_MAX;
         for (size_t i = by->first[v]; i < by->first[v + 1]; i++) {
             uint64_t entry = by->entry[i];
+            size_t ahead = i + AHEAD < by->count ? i + AHEAD : i;
+            __builtin_prefetch(&leaves[(uint32_t)by->entry[ahead]], 1);
             struct eng_face *leaf = &leaves[(uint32_t)entry];
             if (entry >> 32 == low) {
                 may_repeat |= !last || (leaf->v[0] ^ leaf->v[1] ^ leaf->v[2]) ==
@@ -230,34 +249,20 @@ static bool assign_edges(const struct eng_mesh *mesh, struct by_vertex *by,
     return may_repeat;
 }
 
-static bool is_point(const struct eng_mesh *mesh, uint32_t t)
+/* Make a leaf, which owns its vertices that are not `seen` yet. Returns how many. */
+static inline uint32_t make_leaf(const uint32_t *corners, uint32_t owns, uint8_t *seen,
+                                 struct eng_face *leaf)
 {
-    return t >= mesh->info.triangle_count && mesh->corners[t][0] == mesh->corners[t][1];
-}
-
-/* First come, first owned, points last. Returns the number of vertices that nobody owns.
- * `seen` is scratch of vertex_count bytes. */
-static uint32_t assign_vertices(const struct eng_mesh *mesh, uint32_t named,
-                                struct eng_face *leaves, uint8_t *seen)
-{
-    uint32_t isolated = mesh->info.vertex_count;
-    memset(seen, 0, mesh->info.vertex_count);
-    for (int points = 0; points < 2; points++) {
-        for (uint32_t t = points ? mesh->info.triangle_count : 0; t < named; t++) {
-            if (is_point(mesh, t) != points) {
-                continue;
-            }
-            for (unsigned k = 0; k < 3; k++) {
-                uint32_t v = leaves[t].v[k];
-                if (!seen[v]) {
-                    seen[v] = 1;
-                    leaves[t].owns |= ENG_OWNS_VERTEX(k);
-                    isolated--;
-                }
-            }
-        }
+    uint32_t count = 0;
+    memcpy(leaf->v, corners, sizeof leaf->v);
+    for (unsigned k = 0; k < 3; k++) {
+        uint32_t is_first = 1u ^ seen[corners[k]];
+        seen[corners[k]] = 1;
+        owns |= is_first * ENG_OWNS_VERTEX(k);
+        count += is_first;
     }
-    return isolated;
+    leaf->owns = owns;
+    return count;
 }
 
 /* Triangles stay; behind them come the edges that own themselves, then the points that
@@ -356,20 +361,6 @@ static int count_duplicates(const struct eng_mesh *mesh, struct by_vertex *by,
     return status;
 }
 
-/* Count triangles without area. Returns whether one is a point, which has no side. */
-static bool count_degenerate(const struct eng_mesh *mesh, struct eng_mesh_info *info)
-{
-    bool has_point = false;
-    for (uint32_t t = 0; t < info->triangle_count; t++) {
-        const uint32_t *v = mesh->corners[t];
-        if (has_zero_area((const double(*)[3])mesh->x, v)) {
-            info->degenerate_count++;
-            has_point |= v[0] == v[1] && v[1] == v[2];
-        }
-    }
-    return has_point;
-}
-
 /* The parts of a mesh that are derived from what was named. */
 struct derived {
     struct eng_mesh_info info;
@@ -387,13 +378,38 @@ static void derived_free(struct derived *derived)
     eng_free(derived->free[PCCD_TREE_EDGES]);
 }
 
-/* Derive what needs no edges. Returns whether a triangle is a point. */
+/* Derive what needs no edges: who comes first owns a vertex, points come last. Returns
+ * whether a triangle is a point, which has no side. `seen`: a byte for each vertex. */
 static bool derive_leaves(const struct eng_mesh *mesh, uint32_t named, uint8_t *seen,
                           struct derived *derived)
 {
-    init_leaves(mesh, named, derived->leaves);
-    derived->info.isolated_count = assign_vertices(mesh, named, derived->leaves, seen);
-    return count_degenerate(mesh, &derived->info);
+    struct eng_mesh_info *info = &derived->info;
+    const double(*x)[3] = (const double(*)[3])mesh->x;
+    const uint32_t(*corners)[3] = (const uint32_t(*)[3])mesh->corners;
+    bool has_point = false;
+    memset(seen, 0, info->vertex_count);
+    info->isolated_count = info->vertex_count;
+    for (uint32_t t = 0; t < info->triangle_count; t++) {
+        const uint32_t *v = corners[t];
+        const uint32_t *ahead = corners[t + AHEAD < named ? t + AHEAD : t];
+        for (unsigned k = 0; k < 3; k++) {
+            __builtin_prefetch(x[ahead[k]]);
+        }
+        info->isolated_count -= make_leaf(v, ENG_OWNS_FACE, seen, &derived->leaves[t]);
+        if (has_zero_area(x, v)) {
+            info->degenerate_count++;
+            has_point |= v[0] == v[1] && v[1] == v[2];
+        }
+    }
+    for (int points = 0; points < 2; points++) {
+        for (uint32_t t = info->triangle_count; t < named; t++) {
+            if ((corners[t][0] == corners[t][1]) == points) {
+                info->isolated_count -=
+                    make_leaf(corners[t], 0, seen, &derived->leaves[t]);
+            }
+        }
+    }
+    return has_point;
 }
 
 static int derive(const struct eng_mesh *mesh, uint32_t named, struct by_vertex *by,

@@ -399,6 +399,24 @@ static inline struct eng_split_item list_one(const struct listing *listing,
                              : item_of(listing->positions, v, corners, i);
 }
 
+/* Features after which one is listed when its vertices are fetched. */
+#define AHEAD 16u
+
+/* Fetch vertices of a feature soon to be listed: with numbers that are shuffled each is
+ * far from the others. */
+static inline void fetch_ahead(const struct listing *listing, uint32_t corners,
+                               uint32_t i, uint32_t end)
+{
+    const struct eng_mesh *mesh = listing->mesh;
+    if (i + AHEAD < end) {
+        const uint32_t *v =
+            corners == 2 ? mesh->edges[i + AHEAD] : mesh->leaves[i + AHEAD].v;
+        for (uint32_t k = 0; k < corners; k++) {
+            __builtin_prefetch(listing->positions.x[v[k]]);
+        }
+    }
+}
+
 /* The features of one piece that is the mesh: a part of several. */
 static void list_part(const struct listing *listing, enum pccd_tree kind, uint32_t count,
                       uint32_t part, uint32_t parts, struct eng_split_item *items)
@@ -413,11 +431,13 @@ static void list_part(const struct listing *listing, enum pccd_tree kind, uint32
         break;
     case PCCD_TREE_EDGES:
         for (; i < end; i++) {
+            fetch_ahead(listing, 2, i, end);
             items[i] = list_one(listing, 2, i);
         }
         break;
     default:
         for (; i < end; i++) {
+            fetch_ahead(listing, 3, i, end);
             items[i] = list_one(listing, 3, i);
         }
     }

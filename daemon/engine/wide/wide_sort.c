@@ -63,11 +63,11 @@ static void write_ids(const struct eng_split_item *items, struct eng_wide_range 
 /* ---- words ------------------------------------------------------------------------- */
 
 /* A word is an item of a range: where it is along each axis, in 0 .. STEPS of the longest
- * extent, above its index. */
-#define KEY_BITS   16u
-#define STEPS      32767
-#define INDEX_MASK 0xffffu
-static_assert(ENG_WIDE_WORDS_MAX <= INDEX_MASK + 1, "indices");
+ * extent, below its index. */
+#define KEY_BITS    16u
+#define STEPS       32767
+#define INDEX_SHIFT (3 * KEY_BITS)
+static_assert(ENG_WIDE_WORDS_MAX <= STEPS + 1, "indices");
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "lanes of words");
 
 /* An extent that a float can divide STEPS by; items that extend less are in one bin. */
@@ -106,23 +106,22 @@ static inline keys8 max8(keys8 a, keys8 b)
 }
 
 struct bounds {
-    float low[3];
-    float high[3];
+    eng_f4 low, high; /* of the ids too, which are not looked at */
 };
 
 static struct bounds bounds_of(const struct eng_split_item *items, const uint64_t *words,
                                uint32_t count)
 {
-    eng_f4 low, high; /* of the ids too, which are not looked at */
-    memcpy(&low, &items[words[0] & INDEX_MASK], sizeof low);
+    eng_f4 low, high;
+    memcpy(&low, &items[words[0] >> INDEX_SHIFT], sizeof low);
     high = low;
     for (uint32_t i = 1; i < count; i++) {
         eng_f4 item;
-        memcpy(&item, &items[words[i] & INDEX_MASK], sizeof item);
+        memcpy(&item, &items[words[i] >> INDEX_SHIFT], sizeof item);
         low = eng_min4(low, item);
         high = eng_max4(high, item);
     }
-    return (struct bounds){{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    return (struct bounds){low, high};
 }
 
 /* Return the axis along which items extend most, as eng_median_axis does. */
@@ -137,6 +136,19 @@ static int axis_of(const struct bounds *bounds)
     return axis;
 }
 
+/* Return the word of whole numbers 0 .. STEPS along three axes, and 0. */
+static inline uint64_t word_of(eng_f4 steps, uint64_t index)
+{
+#ifdef __SSE2__
+    __m128i whole = _mm_cvttps_epi32((__m128)steps);
+    uint64_t word = (uint64_t)_mm_cvtsi128_si64(_mm_packs_epi32(whole, whole));
+#else
+    uint64_t word = (uint64_t)steps[0] | (uint64_t)steps[1] << KEY_BITS |
+                    (uint64_t)steps[2] << 2 * KEY_BITS;
+#endif
+    return word | index << INDEX_SHIFT;
+}
+
 /* Make words of the items whose indices they have. */
 static void measure(const struct eng_split_item *items, uint64_t *words, uint32_t count)
 {
@@ -145,13 +157,11 @@ static void measure(const struct eng_split_item *items, uint64_t *words, uint32_
     const float longest = bounds.high[axis] - bounds.low[axis];
     const float scale = longest > EXTENT_MIN ? STEPS / longest : 0;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t index = (uint32_t)words[i] & INDEX_MASK;
-        uint64_t word = index;
-        for (unsigned k = 0; k < 3; k++) {
-            float way = items[index].centroid[k] - bounds.low[k];
-            word |= (uint64_t)(way * scale) << (k + 1) * KEY_BITS;
-        }
-        words[i] = word;
+        uint64_t index = words[i] >> INDEX_SHIFT;
+        eng_f4 item;
+        memcpy(&item, &items[index], sizeof item);
+        item = (eng_f4)((eng_i4)(item - bounds.low) & ENG_IS_BOUND);
+        words[i] = word_of(item * scale, index);
     }
 }
 
@@ -175,9 +185,9 @@ static int extents_of(const uint64_t *words, uint32_t count, struct extent *exte
         low = min8(low, two);
         high = max8(high, two);
     }
-    for (int k = 0; k < 3; k++) { /* lane 0 is the index */
-        int from = low[k + 1] < low[k + 5] ? low[k + 1] : low[k + 5];
-        int to = high[k + 1] > high[k + 5] ? high[k + 1] : high[k + 5];
+    for (int k = 0; k < 3; k++) { /* lane 3 is the index */
+        int from = low[k] < low[k + 4] ? low[k] : low[k + 4];
+        int to = high[k] > high[k + 4] ? high[k] : high[k + 4];
         extents[k] = (struct extent){k, (uint32_t)from, (uint32_t)(to - from)};
         axis = extents[k].steps > extents[axis].steps ? k : axis;
     }
@@ -218,10 +228,11 @@ static void sort_bin(const struct eng_split_item *items, uint64_t *words, uint32
         const uint32_t gap = gaps[g];
         for (uint32_t i = gap; i < count; i++) {
             const uint64_t word = words[i];
-            const struct eng_split_item *item = &items[word & INDEX_MASK];
+            const struct eng_split_item *item = &items[word >> INDEX_SHIFT];
             uint32_t at = i;
             for (; at >= gap; at -= gap) {
-                const struct eng_split_item *other = &items[words[at - gap] & INDEX_MASK];
+                const struct eng_split_item *other =
+                    &items[words[at - gap] >> INDEX_SHIFT];
                 float x = other->centroid[axis], y = item->centroid[axis];
                 if (x < y || (x == y && other->id < item->id)) {
                     break;
@@ -248,7 +259,7 @@ static void halve(const struct eng_split_item *items, const uint64_t *from, uint
     while (((extent.low + extent.steps) >> fold) - (extent.low >> fold) >= bins) {
         fold++;
     }
-    const unsigned shift = (unsigned)(extent.axis + 1) * KEY_BITS + fold;
+    const unsigned shift = (unsigned)extent.axis * KEY_BITS + fold;
     const uint32_t mask = STEPS >> fold, first = extent.low >> fold;
     memset(end, 0, bins * sizeof *end);
     for (uint32_t i = 0; i < count; i++) {
@@ -288,7 +299,7 @@ void eng_wide_words_sort(uint64_t *words, const struct eng_split_item *items,
     ids += range.first;
     range.first = 0;
     for (uint32_t i = 0; i < range.count; i++) {
-        words[i] = i;
+        words[i] = (uint64_t)i << INDEX_SHIFT;
     }
     measure(items, words, range.count);
     stack[waiting].range = range;
@@ -311,7 +322,7 @@ void eng_wide_words_sort(uint64_t *words, const struct eng_split_item *items,
                 continue;
             }
             for (size_t i = range.first; i < range.first + range.count; i++) {
-                ids[i] = items[sides[1 - side][i] & INDEX_MASK].id;
+                ids[i] = items[sides[1 - side][i] >> INDEX_SHIFT].id;
             }
         }
     }
