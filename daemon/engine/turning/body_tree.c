@@ -84,7 +84,7 @@ struct waiting {
 
 /* A tree that is not made yet: all that it takes to go on. One block of memory. */
 struct eng_body_builder {
-    bool has_items;
+    _Alignas(eng_f4) bool has_items; /* and what comes behind the struct */
     bool has_nodes;
     uint32_t at; /* items that the pass has seen, or nodes that have their boxes */
 
@@ -108,6 +108,7 @@ struct eng_body_builder {
     uint32_t node_count;
     uint32_t (*children)[4]; /* [leaf_count] */
     struct item *items;      /* [leaf_count] */
+    eng_f4 *corners;          /* [vertex_count] from the origin */
 
     /* Of the thread that is at it. */
     const struct eng_mesh *mesh;
@@ -402,31 +403,18 @@ static bool make_nodes(struct eng_body_builder *builder)
 
 /* ---- boxes ------------------------------------------------------------------------- */
 
-/* Bounds in doubles, measured from the origin; off by some 2^-52 of the coordinates. */
-static void bound_leaf(const struct eng_face *leaf, const double (*x)[3],
-                       const double origin[3], double low[3], double high[3])
-{
-    const double *a = x[leaf->v[0]];
-    const double *b = x[leaf->v[1]];
-    const double *c = x[leaf->v[2]];
-    for (int k = 0; k < 3; k++) {
-        low[k] = eng_least(eng_least(a[k], b[k]), c[k]) - origin[k];
-        high[k] = eng_most(eng_most(a[k], b[k]), c[k]) - origin[k];
-    }
-}
-
 /* The bounds of four children, by child: x, y, z, and one unused. */
 struct four_bounds {
     eng_f4 low[4];
     eng_f4 high[4];
 };
 
-static void bound_corners(const struct eng_face *leaf, const double (*x)[3],
-                          const double origin[3], eng_f4 *low, eng_f4 *high)
+static void bound_leaf(const struct eng_face *leaf, const eng_f4 *corners, eng_f4 *low,
+                       eng_f4 *high)
 {
-    eng_f4 a = eng_body_place(x[leaf->v[0]], origin);
-    eng_f4 b = eng_body_place(x[leaf->v[1]], origin);
-    eng_f4 c = eng_body_place(x[leaf->v[2]], origin);
+    eng_f4 a = corners[leaf->v[0]];
+    eng_f4 b = corners[leaf->v[1]];
+    eng_f4 c = corners[leaf->v[2]];
     *low = eng_min4(eng_min4(a, b), c);
     *high = eng_max4(eng_max4(a, b), c);
 }
@@ -476,10 +464,10 @@ static void put_boxes(const struct four_bounds *bounds, struct eng_body_boxes *b
     }
 }
 
-/* Make the boxes of a node; those of the nodes after it are there. */
+/* Make the boxes of a node, of corners as they are from its origin; those of the nodes
+ * after it are there. */
 static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *tree,
-                       const double origin[3], const double (*x)[3], uint32_t node,
-                       struct eng_body_boxes *boxes)
+                       const eng_f4 *corners, uint32_t node, struct eng_body_boxes *boxes)
 {
     const uint32_t *children = tree->children[node];
     struct four_bounds bounds;
@@ -489,8 +477,8 @@ static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *
             continue;
         }
         if (children[i] & ENG_BODY_LEAF) {
-            bound_corners(&mesh->leaves[children[i] & ~ENG_BODY_LEAF], x, origin,
-                          &bounds.low[i], &bounds.high[i]);
+            bound_leaf(&mesh->leaves[children[i] & ~ENG_BODY_LEAF], corners,
+                       &bounds.low[i], &bounds.high[i]);
         } else {
             bound_node(&boxes[children[i]], &bounds.low[i], &bounds.high[i]);
         }
@@ -524,20 +512,22 @@ static void see_leaves(struct eng_body_builder *builder, uint32_t first, uint32_
     set_box(&mesh->bounds, &box, origin);
     for (uint32_t i = first; i < first + count; i++) {
         struct item *item = &builder->items[i];
-        double low[3];
-        double high[3];
-        bound_leaf(&mesh->leaves[i], (const double(*)[3])mesh->x, origin, low, high);
+        const uint32_t *v = mesh->leaves[i].v;
+        eng_f4 low;
+        eng_f4 high;
         for (int k = 0; k < 3; k++) {
-            item->low[k] = (float)low[k];
-            item->high[k] = (float)high[k];
+            builder->corners[v[k]] = eng_body_place(mesh->x[v[k]], origin);
         }
+        bound_leaf(&mesh->leaves[i], builder->corners, &low, &high);
+        memcpy(item->low, &low, sizeof item->low);
+        memcpy(item->high, &high, sizeof item->high);
         item->leaf = i;
     }
 }
 
 static size_t builder_bytes(const struct eng_mesh *mesh)
 {
-    return sizeof(struct eng_body_builder) +
+    return sizeof(struct eng_body_builder) + mesh->info.vertex_count * sizeof(eng_f4) +
            mesh->leaf_count * (sizeof(struct item) + 4 * sizeof(uint32_t));
 }
 
@@ -547,7 +537,8 @@ static struct eng_body_builder *begin(const struct eng_mesh *mesh)
     struct eng_body_builder *builder = eng_alloc(1, builder_bytes(mesh));
     if (builder) {
         memset(builder, 0, sizeof *builder);
-        builder->children = (void *)(builder + 1);
+        builder->corners = (void *)(builder + 1);
+        builder->children = (void *)(builder->corners + mesh->info.vertex_count);
         builder->items = (void *)(builder->children + mesh->leaf_count);
         builder->waiting[0] = (struct waiting){.count = mesh->leaf_count};
         builder->waiting_count = 1;
@@ -583,8 +574,7 @@ static bool fill_tree(struct eng_body_builder *builder, struct eng_body_tree *tr
     while (builder->at < tree->node_count) {
         uint32_t node = tree->node_count - ++builder->at;
         memcpy(tree->children[node], builder->children[node], sizeof *tree->children);
-        make_boxes(builder->mesh, tree, tree->origin,
-                   (const double(*)[3])builder->mesh->x, node, tree->boxes);
+        make_boxes(builder->mesh, tree, builder->corners, node, tree->boxes);
         if (!goes_on(builder, ITEMS_OF_NODE)) {
             return false;
         }
@@ -704,15 +694,21 @@ static int compare(const struct eng_body *body, const double (*a)[3],
     return PCCD_OK;
 }
 
-/* False: it was stopped. */
+/* Make boxes; there is room for corners. False: it was stopped. */
 static bool fit(const struct eng_body *body, const struct eng_body_tree *tree,
-                const double (*x)[3], struct eng_body_boxes *boxes)
+                const double (*x)[3], eng_f4 *corners, struct eng_body_boxes *boxes)
 {
+    for (uint32_t i = 0; i < body->mesh->info.vertex_count; i++) {
+        if (i % VERTICES_PER_LOOK == 0 && i > 0 && wants_no_more(body)) {
+            return false;
+        }
+        corners[i] = eng_body_place(x[i], body->origin);
+    }
     for (uint32_t node = tree->node_count; node-- > 0;) {
         if (node % NODES_PER_LOOK == 0 && wants_no_more(body)) {
             return false;
         }
-        make_boxes(body->mesh, tree, body->origin, x, node, boxes);
+        make_boxes(body->mesh, tree, corners, node, boxes);
     }
     return true;
 }
@@ -745,12 +741,15 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
         eng_body_set(body, mesh);
         return PCCD_OK;
     }
-    uint32_t ends = stands ? 1 : 2;
-    if (status == PCCD_OK && tree->node_count > UINT32_MAX / 2) {
+    const uint64_t all =
+        (stands ? 1 : 2) * (uint64_t)tree->node_count +
+        (mesh->info.vertex_count * sizeof(eng_f4) + sizeof *body->fit - 1) /
+            sizeof *body->fit;
+    if (status == PCCD_OK && all > UINT32_MAX) {
         status = PCCD_E_LIMIT;
     }
     if (status == PCCD_OK) {
-        status = eng_array_fit(&body->fit, &body->fit_capacity, ends * tree->node_count,
+        status = eng_array_fit(&body->fit, &body->fit_capacity, (uint32_t)all,
                                sizeof *body->fit);
     }
     if (status != PCCD_OK) {
@@ -759,11 +758,13 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
     body->x[0] = x0;
     body->x[1] = x1;
     set_box(bounds, &body->box, body->origin);
-    bool is_made = fit(body, tree, x0, body->fit);
-    body->boxes[0] = body->boxes[1] = body->fit;
+    struct eng_body_boxes *boxes = body->fit;
+    eng_f4 *corners = (void *)(boxes + (stands ? 1 : 2) * tree->node_count);
+    bool is_made = fit(body, tree, x0, corners, boxes);
+    body->boxes[0] = body->boxes[1] = boxes;
     if (!stands) {
-        is_made = is_made && fit(body, tree, x1, body->fit + tree->node_count);
-        body->boxes[1] = body->fit + tree->node_count;
+        is_made = is_made && fit(body, tree, x1, corners, boxes + tree->node_count);
+        body->boxes[1] = boxes + tree->node_count;
     }
     return is_made ? PCCD_OK : PCCD_E_AGAIN;
 }

@@ -75,7 +75,7 @@ struct eng_body {
     double origin[3];
     struct eng_path_box box;    /* around all, at both ends */
     struct eng_body_boxes *fit; /* what it has made itself; NULL: nothing */
-    uint32_t fit_capacity;      /* of both ends, in nodes */
+    uint32_t fit_capacity;      /* in nodes: of both ends, and of corners */
     /* Set by the caller: asked every 0.2 ms or so of a fit; NULL: never. */
     bool (*should_stop)(void *owner);
     void *owner;

@@ -236,13 +236,19 @@ static int reserve(unsigned char **block, uint64_t *bytes, uint64_t wanted)
 void eng_wide_put_nowhere(const struct eng_wide_tree *tree, uint32_t first, uint32_t end,
                           bool floats)
 {
-    for (uint32_t block = first; block < end; block++) {
-        for (uint32_t i = 0; floats && i < 4 * ENG_SIDES; i++) {
-            tree->float_boxes[block].side[i / 4][i % 4] = ENG_NOWHERE;
-        }
-        for (uint32_t i = 0; !floats && i < 12; i++) {
-            tree->quantised_boxes[block].half[i / 6][i % 6] = INT16_MIN;
-        }
+    struct eng_extents box;
+    struct eng_quantised_box quantised;
+    for (uint32_t i = 0; i < 4 * ENG_SIDES; i++) {
+        box.side[i / 4][i % 4] = ENG_NOWHERE;
+    }
+    for (uint32_t i = 0; i < 12; i++) {
+        quantised.half[i / 6][i % 6] = INT16_MIN;
+    }
+    for (uint32_t block = first; block < end && floats; block++) {
+        tree->float_boxes[block] = box;
+    }
+    for (uint32_t block = first; block < end && !floats; block++) {
+        tree->quantised_boxes[block] = quantised;
     }
 }
 
