@@ -518,19 +518,20 @@ static bool sample_all(const struct play *play, double end, double *least)
 }
 
 /* Set when the pair may be within r + 4 delta of each other, at the most. */
-static void hint(const struct play *play, struct eng_turning_limits *limits)
+static void hint(struct play *play)
 {
     enum { SAMPLES = 128 };
     struct eng_path_box box = {{-2, -2, -2}, {2, 2, 2}};
     struct sample now;
     double speed = eng_path_speed(&play->path, &box, 0, 1) + 4;
-    limits->from = 2;
-    limits->to = 0x1p-40;
+    struct eng_turning_pair *pair = &play->pair;
+    pair->from = 2;
+    pair->to = 0x1p-40;
     for (int i = 0; i < SAMPLES; i++) {
         sample_at(play, (i + 0.5) / SAMPLES, &now);
         if (now.distance <= play->r + 5 * DELTA + speed / SAMPLES) {
-            limits->from = fmin(limits->from, (double)i / SAMPLES);
-            limits->to = fmax(limits->to, (i + 1.0) / SAMPLES);
+            pair->from = fmin(pair->from, (double)i / SAMPLES);
+            pair->to = fmax(pair->to, (i + 1.0) / SAMPLES);
         }
     }
 }
@@ -557,12 +558,11 @@ static void check_play(struct play *play, struct tally *tally)
         eng_turning_decide(&poses, &play->pair, &limits, &answer);
     const struct eng_hit *hit = &answer.hit;
     struct eng_turning_answer first = answer;
-    struct eng_turning_limits hinted = limits;
-    hint(play, &hinted);
+    hint(play);
     sample_at(play, 0, &at[0]);
     bool is_inside = play->r > 0 && play->approach > 0 && at[0].distance <= play->r;
     play->r = is_inside ? play->approach * at[0].distance : play->r;
-    assert_int_equal(eng_turning_decide(&poses, &play->pair, &hinted, &answer), verdict);
+    assert_int_equal(eng_turning_decide(&poses, &play->pair, &limits, &answer), verdict);
     tally->hinted += answer.looks;
     if (verdict != ENG_TURNING_LIMIT) {
         assert_true(answer.looks <= first.looks && answer.free_until == first.free_until);
@@ -623,4 +623,36 @@ CASE(decide__random_pairs_agree_with_many_samples)
                       (tally.proved + tally.possible),
                   tally.most, (double)tally.hinted / (tally.free + tally.proved),
                   tally.long_brackets, tally.crossings, tally.inside);
+}
+
+/* If it failed: what is told of a pair would depend on which others wait beside it, and
+ * so on trees, threads and tasks. */
+CASE(decide__pairs_are_decided_together_as_alone)
+{
+    struct prng random = {prng_seed()};
+    static struct play plays[ENG_TURNING_BATCH];
+    static struct eng_poses poses;
+    struct eng_turning_pair pairs[ENG_TURNING_BATCH];
+    struct eng_turning_answer together[ENG_TURNING_BATCH];
+    const struct eng_turning_limits limits = limits_of(TOLERANCE);
+    uint32_t met = 0;
+    for (int round = 0; round < 40; round++) {
+        for (uint32_t i = 0; i < ENG_TURNING_BATCH; i++) {
+            make_play(&random, &plays[i]);
+            pairs[i] = plays[i].pair;
+        }
+        eng_poses_begin(&poses, &plays[0].path);
+        eng_turning_decide_all(&poses, pairs, ENG_TURNING_BATCH, &limits, together);
+        for (uint32_t i = 0; i < ENG_TURNING_BATCH; i++) {
+            assert_int_equal(eng_turning_decide(&poses, &pairs[i], &limits, &answer),
+                             together[i].verdict);
+            assert_true(answer.free_until == together[i].free_until);
+            assert_int_equal(answer.looks, together[i].looks);
+            if (answer.verdict == ENG_TURNING_MEETS) {
+                expect_same(&answer.hit, &together[i].hit);
+                met++;
+            }
+        }
+    }
+    assert_true(met > 100);
 }

@@ -101,43 +101,20 @@ double eng_pose_det(const struct eng_pose *pose)
     return eng_dot(pose->p, n);
 }
 
-/* Vectors across b and c over a span, by Bernstein coefficients, the second one twice. */
-struct across {
-    double n[3][3];
-};
-
-static inline struct across set_cubic(const struct eng_pose *l, const struct eng_pose *r,
-                                      double f[4])
+void eng_motion_bernstein(const struct eng_pose *l, const struct eng_pose *r, double f[4])
 {
-    struct across across;
-    double n_lr[3];
-    double n_rl[3];
-    eng_cross(across.n[0], l->b, l->c);
-    eng_cross(across.n[2], r->b, r->c);
+    double n_l[3], n_r[3], n_lr[3], n_rl[3], across[3];
+    eng_cross(n_l, l->b, l->c);
+    eng_cross(n_r, r->b, r->c);
     eng_cross(n_lr, l->b, r->c);
     eng_cross(n_rl, r->b, l->c);
     for (int k = 0; k < 3; k++) {
-        across.n[1][k] = n_lr[k] + n_rl[k];
+        across[k] = n_lr[k] + n_rl[k];
     }
-    f[0] = eng_dot(l->p, across.n[0]);
-    f[1] = (eng_dot(r->p, across.n[0]) + eng_dot(l->p, across.n[1])) / 3.0;
-    f[2] = (eng_dot(l->p, across.n[2]) + eng_dot(r->p, across.n[1])) / 3.0;
-    f[3] = eng_dot(r->p, across.n[2]);
-    return across;
-}
-
-void eng_motion_bernstein(const struct eng_pose *l, const struct eng_pose *r, double f[4])
-{
-    (void)set_cubic(l, r, f);
-}
-
-double eng_motion_planes(const struct eng_pose *l, const struct eng_pose *r, double f[4])
-{
-    struct across across = set_cubic(l, r, f);
-    const double square = eng_most(eng_dot(across.n[0], across.n[0]),
-                                   eng_most(0.25 * eng_dot(across.n[1], across.n[1]),
-                                            eng_dot(across.n[2], across.n[2])));
-    return sqrt(square);
+    f[0] = eng_dot(l->p, n_l);
+    f[1] = (eng_dot(r->p, n_l) + eng_dot(l->p, across)) / 3.0;
+    f[2] = (eng_dot(l->p, n_r) + eng_dot(r->p, across)) / 3.0;
+    f[3] = eng_dot(r->p, n_r);
 }
 
 double eng_bernstein_root(const double f[4], double *slope)
@@ -194,12 +171,8 @@ static struct reach reach_of(const double l[3], const double r[3], double size)
     return reach;
 }
 
-/* At least the root of 27: lengths by coordinates, of n and of an edge. */
-#define RIM 5.25
-
 enum eng_domain eng_motion_domain(const struct eng_motion *motion,
-                                  const struct eng_pose *l, const struct eng_pose *r,
-                                  double rim)
+                                  const struct eng_pose *l, const struct eng_pose *r)
 {
     struct reach p = reach_of(l->p, r->p, motion->size_p);
     struct reach b = reach_of(l->b, r->b, motion->size_b);
@@ -227,8 +200,6 @@ enum eng_domain eng_motion_domain(const struct eng_motion *motion,
     if (beta < -e_beta || gamma < -e_gamma) {
         return ENG_OUTSIDE;
     }
-    e_beta += RIM * rim * high_bc * c.high;
-    e_gamma += RIM * rim * high_bc * b.high;
     bool inside = beta > e_beta && gamma > e_gamma;
     if (motion->kind == PCCD_VF) {
         double rest = nn - beta - gamma;
@@ -298,8 +269,7 @@ static void project(enum pccd_kind kind, const struct eng_pose *pose, const doub
 }
 
 bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose *l,
-                          const struct eng_pose *r, const struct eng_pose *when,
-                          double reach)
+                          const struct eng_pose *r, const struct eng_pose *when)
 {
     struct eng_closest closest;
     eng_closest_to_origin(motion->kind, when, &closest);
@@ -310,7 +280,7 @@ bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose
     project(motion->kind, r, d, &low, &high);
     double margin = 32 * ENG_U * (fabs(d[0]) + fabs(d[1]) + fabs(d[2])) *
                         (motion->size_p + motion->size_b + motion->size_c) +
-                    reach * (sqrt(eng_dot(d, d)) * (1 + 8 * ENG_U) + 0x1p-500) + ENG_TINY;
+                    ENG_TINY;
     return low > margin || high < -margin;
 }
 

@@ -59,26 +59,20 @@ double eng_pose_det(const struct eng_pose *pose);
 void eng_motion_bernstein(const struct eng_pose *l, const struct eng_pose *r,
                           double f[4]);
 
-/* Set the same f, and return about the most that |b x c| is in the span. */
-double eng_motion_planes(const struct eng_pose *l, const struct eng_pose *r, double f[4]);
-
 /* Return a root, 0 .. 1, of a cubic in Bernstein form with f[0], f[3] of opposite sign,
  * and set *slope to the slope there. Approximate; whoever uses it verifies. */
 double eng_bernstein_root(const double f[4], double *slope);
 
 /* Tell where (beta, gamma) lies, for every time of the span between two poses:
  * ENG_OUTSIDE means no contact at any of these times, ENG_INSIDE that b and c are
- * independent and the domain holds strictly at all of them, and that no vertex of either
- * feature comes within `rim` of an edge of the other. Both know lengths times scale. */
+ * independent and the domain holds strictly at all of them. */
 enum eng_domain eng_motion_domain(const struct eng_motion *motion,
-                                  const struct eng_pose *l, const struct eng_pose *r,
-                                  double rim);
+                                  const struct eng_pose *l, const struct eng_pose *r);
 
-/* Return whether the features certainly stay farther apart than `reach` at all times of
- * the span between two poses, along the direction that is between them at `when`. */
+/* Return whether the features certainly stay apart at all times of the span between two
+ * poses, along the direction that is between them at `when`. */
 bool eng_motion_separates(const struct eng_motion *motion, const struct eng_pose *l,
-                          const struct eng_pose *r, const struct eng_pose *when,
-                          double reach);
+                          const struct eng_pose *r, const struct eng_pose *when);
 
 /* Set (beta, gamma), inside the domain, and the normal of a contact at time t, as in
  * struct pccd_contact. f_start is det at t = 0. */

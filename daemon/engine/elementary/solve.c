@@ -276,7 +276,7 @@ static bool separates(const struct search *search, const struct eng_pose *l,
         middle.b[k] = 0.5 * (l->b[k] + r->b[k]);
         middle.c[k] = 0.5 * (l->c[k] + r->c[k]);
     }
-    return eng_motion_separates(&search->motion, l, r, &middle, 0);
+    return eng_motion_separates(&search->motion, l, r, &middle);
 }
 
 /* Decide a short span, or say that it has to be cut. */
@@ -285,7 +285,7 @@ static enum look look_at_short(struct search *search, const struct span *span,
                                const struct eng_pose *pose_r, const double f[4],
                                struct eng_hit *hit)
 {
-    enum eng_domain domain = eng_motion_domain(&search->motion, pose_l, pose_r, 0);
+    enum eng_domain domain = eng_motion_domain(&search->motion, pose_l, pose_r);
     if (domain == ENG_OUTSIDE) {
         return LOOK_EMPTY;
     }
@@ -358,7 +358,7 @@ static bool touches_at_start(struct search *search)
     eng_motion_pose(&search->motion, 0, &pose);
     search->f_start = eng_pose_det(&pose);
     if (fabs(search->f_start) > search->motion.e_det ||
-        eng_motion_domain(&search->motion, &pose, &pose, 0) == ENG_OUTSIDE) {
+        eng_motion_domain(&search->motion, &pose, &pose) == ENG_OUTSIDE) {
         return false;
     }
     return moment_at(search, 0)->touching;

@@ -20,6 +20,7 @@ kernel_sources = \
     daemon/engine/kernel/sift_near.c \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/within.c \
+    daemon/engine/turning/passage.c \
     daemon/engine/turning/straight.c \
     daemon/engine/turning/sweep.c
 kernel_cppflags = $(PCCD_CPPFLAGS) $(ENGINE_CPPFLAGS)

@@ -37,6 +37,10 @@ struct eng_turning_pair {
      * read. A kind of fewer than four points repeats the last one. */
     double x[2][4][3];
     double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
+    /* Known: before `from` the pair is farther apart than r + 4 delta, and after `to`, up
+     * to a time that is later than t_end by more than the tolerance. The answer is the
+     * same, but sooner. Zeros: nothing is known. */
+    double from, to;
 };
 
 struct eng_turning_limits {
@@ -44,10 +48,6 @@ struct eng_turning_limits {
     double tolerance;   /* 1e-12 .. 1, of the bracket of a contact that is proved */
     double approach;    /* of the question, 0 .. 1 (elementary/thick.h); 0: none */
     double t_end;       /* who begins later is not wanted */
-    /* Known: before `from` the pair is farther apart than r + 4 delta, and after `to`, up
-     * to a time that is later than t_end by more than the tolerance. The answer is the
-     * same, but sooner. Zeros: nothing is known. */
-    double from, to;
     uint32_t looks_max; /* at spans of time, each some 0.05 to 3 microseconds */
     /* Asked every so many looks, at least every 0.2 ms; NULL: never. */
     bool (*should_stop)(void *owner);
@@ -83,7 +83,8 @@ enum eng_turning_verdict {
  * param and normal are those of struct pccd_contact at toi, the normal in the frame that
  * the path is seen in, from b to a as they lie at toi. */
 struct eng_turning_answer {
-    struct eng_hit hit;
+    enum eng_turning_verdict verdict;
+    struct eng_hit hit; /* ENG_TURNING_MEETS */
     double free_until; /* before, the distance is more than r; FREE: beyond t_end, or 1 */
     uint32_t looks;
 };
@@ -97,6 +98,14 @@ enum eng_turning_verdict eng_turning_decide(struct eng_poses *poses,
                                             const struct eng_turning_pair *pair,
                                             const struct eng_turning_limits *limits,
                                             struct eng_turning_answer *answer);
+
+/* Decide `count` pairs, at most ENG_TURNING_BATCH, with the same limits: each as if it
+ * were alone, in less time. */
+void eng_turning_decide_all(struct eng_poses *poses, const struct eng_turning_pair *pairs,
+                            uint32_t count, const struct eng_turning_limits *limits,
+                            struct eng_turning_answer *answers);
+
+#define ENG_TURNING_BATCH 32u
 
 /* Return the least delta that rounding leaves a meaning: `size` is the largest coordinate
  * that points of both sides have in their frames and where they are seen, `error` the

@@ -21,6 +21,22 @@
 #define WAY_PART 0.5
 #define BOW_PART 0.25
 
+/* A pair as its record names it. */
+struct named {
+    enum pccd_kind kind;
+    const struct eng_turning_side *side[2];
+    uint32_t v[2][3]; /* vertices of either feature, in the order of their mesh */
+};
+
+/* A pair of features that waits to be decided. */
+struct waiting {
+    struct eng_sweep_pair found;
+    struct named named;
+};
+
+/* So many pairs are decided at once where what they find bounds what is asked. */
+#define SOONER 8u
+
 struct eng_turning {
     struct eng_turning_side side[2]; /* the first is what the second is seen from */
     struct eng_path path;            /* between them */
@@ -39,6 +55,9 @@ struct eng_turning {
     bool only_proves;          /* what is possible is not recorded, and has_limit then */
     bool is_bounded;           /* what comes after the bound of mode first is left out */
     uint32_t looks;            /* at pairs, since should_stop was asked */
+    uint32_t waiting_count;
+    struct waiting waiting[ENG_TURNING_BATCH];
+    struct eng_turning_pair pairs[ENG_TURNING_BATCH];
 };
 
 int eng_turning_make(struct eng_turning **turning)
@@ -275,13 +294,6 @@ int eng_turning_begin(struct eng_turning *turning,
 
 /* ---- a pair of features ------------------------------------------------------------ */
 
-/* A pair as its record names it. */
-struct named {
-    enum pccd_kind kind;
-    const struct eng_turning_side *side[2];
-    uint32_t v[2][3]; /* vertices of either feature, in the order of their mesh */
-};
-
 static void name_feature(const struct eng_sweep_pair *found, int i, uint32_t points,
                          const struct eng_mesh *mesh, uint32_t v[3])
 {
@@ -338,7 +350,8 @@ static bool is_foreign(const struct eng_turning *turning,
                                feature_of(turning, found, named, 0));
 }
 
-static void make_query(const struct eng_turning *turning, const struct named *named,
+static void make_query(const struct eng_turning *turning,
+                       const struct eng_sweep_pair *found, const struct named *named,
                        struct eng_turning_pair *pair)
 {
     uint32_t count = 0;
@@ -364,6 +377,8 @@ static void make_query(const struct eng_turning *turning, const struct named *na
         pair->radius[1] = 0;
     }
     pair->radius[2] = turning->separation;
+    pair->from = found->span[0];
+    pair->to = found->span[1];
 }
 
 /* Turn the normal as the first side lies in the world. */
@@ -381,9 +396,11 @@ static void turn_normal(const struct eng_turning *turning, struct eng_hit *hit)
     }
 }
 
-static void record(struct eng_turning *turning, const struct eng_sweep_pair *found,
-                   const struct named *named, struct eng_hit *hit)
+static void record(struct eng_turning *turning, const struct waiting *waiting,
+                   struct eng_hit *hit)
 {
+    const struct eng_sweep_pair *found = &waiting->found;
+    const struct named *named = &waiting->named;
     struct pccd_pair words = {.kind = named->kind,
                               .object_a = named->side[0]->object->id,
                               .feature_a = feature_of(turning, found, named, 0),
@@ -393,58 +410,75 @@ static void record(struct eng_turning *turning, const struct eng_sweep_pair *fou
     eng_record_contact(turning->worker, &words, hit);
 }
 
-static bool take(void *owner, const struct eng_sweep_pair *found)
+/* Decide the pairs that wait. Return whether to go on. */
+static bool decide(struct eng_turning *turning)
 {
-    struct eng_turning *turning = owner;
     struct eng_worker *worker = turning->worker;
-    struct named named = name(turning, found);
-    struct eng_turning_pair pair;
-    struct eng_turning_answer answer;
-    if (is_foreign(turning, found, &named)) {
-        return true;
-    }
-    make_query(turning, &named, &pair);
-    if (pair.radius[0] + pair.radius[1] + pair.radius[2] == 0 && found->kind != PCCD_VF &&
-        found->kind != PCCD_EE) {
-        return true;
-    }
-    eng_count_candidates(worker, found->kind, 1);
-    worker->record.tests++;
+    const uint32_t count = turning->waiting_count;
     const uint64_t looks = turning->sweep.tests_most;
     const struct eng_turning_limits limits = {.delta = turning->delta,
                                               .tolerance = worker->question->tolerance,
                                               .approach = worker->question->approach,
                                               .t_end = end_of(turning),
-                                              .from = found->span[0],
-                                              .to = found->span[1],
                                               .looks_max = looks < ENG_TURNING_LOOKS_MAX
                                                                ? (uint32_t)looks
                                                                : ENG_TURNING_LOOKS_MAX,
                                               .should_stop = should_stop,
                                               .owner = turning};
-    switch (eng_turning_decide(&turning->poses, &pair, &limits, &answer)) {
-    case ENG_TURNING_FREE:
-        break;
-    case ENG_TURNING_MEETS:
-        if (turning->only_proves && !(answer.hit.flags & PCCD_PROVED)) {
+    struct eng_turning_answer answers[ENG_TURNING_BATCH];
+    turning->waiting_count = 0;
+    eng_turning_decide_all(&turning->poses, turning->pairs, count, &limits, answers);
+    for (uint32_t i = 0; i < count; i++) {
+        struct eng_turning_answer *answer = &answers[i];
+        switch (answer->verdict) {
+        case ENG_TURNING_FREE:
+            break;
+        case ENG_TURNING_MEETS:
+            if (turning->only_proves && !(answer->hit.flags & PCCD_PROVED)) {
+                turning->has_limit = true;
+                break;
+            }
+            record(turning, &turning->waiting[i], &answer->hit);
+            break;
+        case ENG_TURNING_LIMIT:
             turning->has_limit = true;
             break;
+        case ENG_TURNING_STOPPED: /* then the worker is to stop, too */
+            break;
         }
-        record(turning, found, &named, &answer.hit);
-        take_bound(turning);
-        break;
-    case ENG_TURNING_LIMIT:
-        turning->has_limit = true;
-        break;
-    case ENG_TURNING_STOPPED:
-        return false;
+        turning->looks += answer->looks;
     }
-    turning->looks += answer.looks;
+    take_bound(turning);
     if (turning->looks >= ENG_TURNING_LOOKS_BETWEEN) { /* of pairs that took fewer each */
         turning->looks = 0;
         (void)should_stop(turning);
     }
     return !eng_stop_is_set(worker->stop);
+}
+
+static bool take(void *owner, const struct eng_sweep_pair *found)
+{
+    struct eng_turning *turning = owner;
+    struct eng_worker *worker = turning->worker;
+    struct eng_turning_pair *pair = &turning->pairs[turning->waiting_count];
+    struct waiting *waiting = &turning->waiting[turning->waiting_count];
+    waiting->found = *found;
+    waiting->named = name(turning, found);
+    if (is_foreign(turning, found, &waiting->named)) {
+        return true;
+    }
+    make_query(turning, found, &waiting->named, pair);
+    if (pair->radius[0] + pair->radius[1] + pair->radius[2] == 0 &&
+        found->kind != PCCD_VF && found->kind != PCCD_EE) {
+        return true;
+    }
+    eng_count_candidates(worker, found->kind, 1);
+    worker->record.tests++;
+    turning->waiting_count++;
+    /* What has met bounds what is wanted of the rest, but in mode all. */
+    const uint32_t most =
+        worker->question->mode == PCCD_MODE_ALL ? ENG_TURNING_BATCH : SOONER;
+    return turning->waiting_count < most || decide(turning);
 }
 
 /* ---- tasks ------------------------------------------------------------------------- */
@@ -476,13 +510,16 @@ int eng_turning_perform(struct eng_turning *turning, struct eng_worker *worker,
     struct eng_sweep *sweep = &turning->sweep;
     turning->worker = worker;
     turning->has_limit = false;
+    turning->waiting_count = 0;
     turning->is_bounded = true;
     take_bound(turning);
     if (turning->by_chords) {
         eng_straight()->perform(turning->straight, worker, task);
+        (void)decide(turning);
         return turning->has_limit ? PCCD_E_LIMIT : PCCD_OK;
     }
     int status = eng_sweep()->run(sweep, task);
+    (void)decide(turning);
     count(turning);
     return status == PCCD_OK && turning->has_limit ? PCCD_E_LIMIT : status;
 }
@@ -494,12 +531,14 @@ bool eng_turning_try(struct eng_turning *turning, struct eng_worker *worker,
     assert(!turning->by_chords);
     turning->worker = worker;
     turning->has_limit = false;
+    turning->waiting_count = 0;
     turning->only_proves = true;
     turning->is_bounded = true;
     take_bound(turning);
     const uint64_t tests_most = sweep->tests_most;
     sweep->tests_most = tests;
     int status = eng_sweep()->run(sweep, ENG_TURNING_ALL);
+    (void)decide(turning);
     sweep->tests_most = tests_most;
     turning->only_proves = false;
     count(turning);
