@@ -107,6 +107,11 @@ class Files(unittest.TestCase):
             self.write(f"{kind}.vtu", CUBE, [(kind, [list(corners)])])
             told = self.told(0, f"{kind}.vtu", f"{kind}.vtu")
             self.assertEqual((told["triangles"], told["contacts"]), (count, 0), kind)
+        # Corners that stand twice: tetrahedra as hexahedra, a triangle as a quad.
+        self.write("twice.vtu", TET + FLOOR,
+                   [("hexahedron", [(0, 1, 2, 2, 3, 3, 3, 3), (1, 2, 3, 3, 4, 4, 4, 4)]),
+                    ("quad", [(5, 6, 7, 7)])])
+        self.assertEqual(self.told(0, "twice.vtu", "twice.vtu")["triangles"], 7)
 
     # If it failed, a fan would put a wall where there is a notch.
     def test_polygons__are_cut_by_the_rule_of_pccdctl(self):
@@ -143,11 +148,36 @@ class Files(unittest.TestCase):
         self.text("count.xdmf", xdmf.replace('Elements="1"', 'Elements="2"'))
         self.refused("2 cells by the file itself, and meshio gives 1", "count.xdmf")
         self.text("time.xdmf", xdmf.replace("</Grid>", '<Time Value="1"/></Grid>'))
-        self.refused("XDMF with a time", "time.xdmf", "a.vtu")
+        self.refused("it has a time", "time.xdmf", "a.vtu")
         self.text("big.xdmf", xdmf.replace("<DataItem", '<DataItem Endian="Big"'))
         self.refused("big-endian", "big.xdmf", "a.vtu")
         self.text("base.xdmf", xdmf.replace("<DataItem", '<DataItem BaseOffset="4"'))
         self.refused("BaseOffset", "base.xdmf", "a.vtu")
+        part = "*Node\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n*Element, type=S3\n1, 1,2,3\n"
+        axes = 'VARIABLES = "X", "Y", "Z"\n'
+        zone = ("ZONE NODES=3, ELEMENTS=1, DATAPACKING=POINT, ZONETYPE=FETRIANGLE\n"
+                "0 0 0\n1 0 0\n0 1 0\n1 2 3\n")
+        grid = "GRID,1,{0},0.,0.,0.\nGRID,2,{0},1.,0.,0.\nGRID,3,{0},0.,1.,0.\n"
+        deck = "BEGIN BULK\n" + grid + "CTRIA3,1,1,1,2,3\n"
+        for name, words, text in (
+                ("parts.inp", "several blocks *NODE", part + part),
+                ("axes.inp", "*NODE in other", part.replace("*Node", "*Node, system=C")),
+                ("copies.inp", "several *INSTANCE",
+                 part + 2 * "*Instance, name=A\n*End Instance\n"),
+                ("moved.inp", "an *INSTANCE that is moved",
+                 part + "*Instance, name=A\n 9., 0., 0.\n*End Instance\n"),
+                ("more.inp", "*ELGEN", part + "*ELGEN\n1, 2, 1, 1\n"),
+                ("frame.bdf", "a coordinate system", deck.format(7) + "ENDDATA\n"),
+                ("more.bdf", "include", deck.format("") + "include 'a.bdf'\nENDDATA\n"),
+                ("zones.dat", "several zones", axes + zone + zone),
+                ("none.ele", "no line says", "# nothing\n")):
+            self.text(name, text)
+            self.refused(words, name, "a.vtu")
+        self.text("one.inp", part + "*Instance, name=A\n*End Instance\n*Node Output\nU\n")
+        self.text("one.bdf", deck.format("") + "ENDDATA\n")
+        self.text("one.dat", axes + zone)
+        for name in ("one.inp", "one.bdf", "one.dat"):
+            self.assertEqual(self.told(0, name, name)["triangles"], 1, name)
         self.text("a.fbx", "Kaydara FBX Binary  ")
         self.refused("export glTF", "a.fbx", "a.vtu")
         self.write("curved.vtu", TET + [(2, 2, 2)], [("triangle6", [range(6)])])

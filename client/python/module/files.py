@@ -31,7 +31,6 @@ SOLIDS: Dict[str, Tuple[Tuple[int, ...], ...]] = {
     "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (0, 2, 5, 3)),
     "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3)),
 }
-HEAD_BYTES = 1 << 20  # of a file, where it says what it has
 
 
 class Refusal(Exception):
@@ -56,33 +55,46 @@ def _judge_vtu(path: str, text: bytes) -> Tuple[int, int]:
             _count(rb'NumberOfCells\s*=\s*"\s*(\d+)', text))
 
 
-def _judge_vtk(path: str, text: bytes) -> Tuple[int, int]:
-    for lost in (b"TRIANGLE_STRIPS", b"DATASET POLYDATA"):
-        if re.search(rb"^" + lost + rb"\b", text, re.MULTILINE):
-            raise Refusal(f"{path}: {lost.decode()} of a legacy VTK file is not read; "
-                          "write PLY, or an unstructured grid")
+def _judge_vtk(_path: str, text: bytes) -> Tuple[int, int]:
     points = re.search(rb"^POINTS\s+(\d+)", text, re.MULTILINE)
     cells = re.search(rb"^CELL_TYPES\s+(\d+)", text, re.MULTILINE)
     return (int(points[1]) if points else -1, int(cells[1]) if cells else -1)
 
 
-def _judge_xdmf(path: str, text: bytes) -> Tuple[int, int]:
-    for word, what in ((rb"<Time\b", "a time"), (rb"Temporal", "a series of times"),
-                       (rb"\bBaseOffset\b", "a BaseOffset"), (rb"\bSeek\b", "a Seek"),
-                       (rb'Endian\s*=\s*"(?!Little|Native)', "big-endian data"),
-                       (rb"xi:include", "an include"),
-                       (rb"\bReference\b", "a reference")):
-        if re.search(word, text):
-            raise Refusal(f"{path}: XDMF with {what} is not read, as meshio passes over "
-                          "it or ends; write a VTU file for each moment")
-    if len(re.findall(rb"<Grid[\s>]", text)) != 1:
-        raise Refusal(f"{path}: XDMF with several grids is not read")
+def _judge_xdmf(_path: str, text: bytes) -> Tuple[int, int]:
     cells = re.findall(rb'<Topology[^>]*NumberOfElements\s*=\s*"\s*(\d+)\s*"', text)
     return -1, int(cells[0]) if len(cells) == 1 else -1
 
 
+def _judge_tetgen(path: str, text: bytes) -> Tuple[int, int]:
+    count = re.search(rb"^\s*(\d+)", text, re.MULTILINE)
+    if count is None:  # meshio would look for it for ever
+        raise Refusal(f"{path}: no line says how many there are")
+    return -1, int(count[1]) if path.lower().endswith(".ele") else -1
+
+
 _JUDGES = {".vtu": _judge_vtu, ".vtk": _judge_vtk, ".xdmf": _judge_xdmf,
-           ".xmf": _judge_xdmf}
+           ".xmf": _judge_xdmf, ".ele": _judge_tetgen, ".node": _judge_tetgen}
+# What meshio loses, or takes for something else, mostly without a word: its pattern, how
+# often a file may have it, and what it is; "": the text that is found names itself.
+_Lost = Tuple[Tuple[bytes, int, str], ...]
+_XDMF: _Lost = ((rb"<Time\b", 0, "a time"), (rb"Temporal", 0, "a series of times"),
+                (rb"\bBaseOffset\b", 0, "a BaseOffset"), (rb"\bSeek\b", 0, "a Seek"),
+                (rb'Endian\s*=\s*"(?!Little|Native)', 0, "big-endian data"),
+                (rb"xi:include", 0, "an include"), (rb"\bReference\b", 0, "a reference"),
+                (rb"<Grid[\s>]", 1, "several grids"))
+_NASTRAN: _Lost = ((rb"^(INCLUDE|GRDSET)\b", 0, ""),)
+_TECPLOT: _Lost = ((rb"^\s*ZONE\b", 1, "several zones"),)
+_LOST: Dict[str, _Lost] = {
+    ".vtk": ((rb"^(TRIANGLE_STRIPS|DATASET POLYDATA)\b", 0, ""),),
+    ".xdmf": _XDMF, ".xmf": _XDMF,
+    ".inp": ((rb"^\*\s*NODE\s*(,|$)", 1, "several blocks *NODE"),
+             (rb"^\*\s*NODE\b.*\bSYSTEM\s*=\s*[CS]", 0, "*NODE in other coordinates"),
+             (rb"^\*\s*INSTANCE\b", 1, "several *INSTANCE"),
+             (rb"^\*\s*INSTANCE\b.*\n\s*[^*\s]", 0, "an *INSTANCE that is moved"),
+             (rb"^\*\s*(INCLUDE|SYSTEM|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY)\b", 0, "")),
+    ".bdf": _NASTRAN, ".nas": _NASTRAN, ".fem": _NASTRAN,
+    ".dat": _TECPLOT, ".tec": _TECPLOT}
 
 
 def _judge(path: str) -> Tuple[int, int]:
@@ -91,12 +103,17 @@ def _judge(path: str) -> Tuple[int, int]:
     if ending == ".fbx":
         raise Refusal(f"{path}: FBX is not read; open it in Blender and export glTF "
                       "(.glb), which pccdctl check reads, animations included")
+    judge, lost = _JUDGES.get(ending), _LOST.get(ending, ())
     try:
         with open(path, "rb") as file:
-            text = file.read() if ending in (".vtk", ".vtu") else file.read(HEAD_BYTES)
+            text = file.read() if judge is not None or lost else b""
     except OSError as problem:
         raise Refusal(f"{path}: cannot open: {problem.strerror}") from None
-    judge = _JUDGES.get(ending)
+    for pattern, most, what in lost:
+        found = list(re.finditer(pattern, text, re.MULTILINE | re.IGNORECASE))
+        if len(found) > most:
+            raise Refusal(f"{path}: it has {what or found[0][0].decode()}, which meshio "
+                          "loses; write PLY, or a VTU file for each moment")
     return judge(path, text) if judge is not None else (-1, -1)
 
 
@@ -112,12 +129,18 @@ def _read(path: str) -> Any:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
             mesh = meshio.read(path)
     except (SystemExit, Exception) as problem:  # pylint: disable=broad-except
-        words = " ".join((said.getvalue() or str(problem) or repr(problem)).split())
+        words = " ".join((said.getvalue() or repr(problem)).split())
         raise Refusal(f"{path}: meshio does not read it: {words}") from None
     if said.getvalue().strip():
         words = " ".join(said.getvalue().split())
         complain(f"{path}: meshio says: {words}")
     return mesh
+
+
+def _corners(face: List[int]) -> List[int]:
+    """Without those that stand twice: a quad may be a triangle so, a hexahedron any other
+    solid."""
+    return [face[k] for k in range(len(face)) if face[k] != face[k - 1]]
 
 
 def _boundary(cells: List[Tuple[str, Any]]) -> Tuple[List[Any], set[Tuple[int, ...]]]:
@@ -126,9 +149,9 @@ def _boundary(cells: List[Tuple[str, Any]]) -> Tuple[List[Any], set[Tuple[int, .
     for kind, corners in cells:
         for cell in corners.tolist():
             for places in SOLIDS[kind]:
-                face = [cell[place] for place in places]
+                face = _corners([cell[place] for place in places])
                 key = tuple(sorted(face))
-                faces[key] = None if key in faces else face
+                faces[key] = None if key in faces or len(set(face)) < 3 else face
     kept = {key: face for key, face in faces.items() if face is not None}
     return list(kept.values()), set(kept)
 
@@ -139,6 +162,9 @@ class Mesh:
     def __init__(self, path: str):
         points, cells = _judge(path)
         mesh = _read(path)
+        if np.any(mesh.point_data.get("nastran:ref", 0)):
+            raise Refusal(f"{path}: points in a coordinate system of their own, which "
+                          "meshio passes over; write PLY or VTU")
         self.path = path
         self.points = np.asarray(mesh.points)
         if self.points.ndim != 2 or self.points.shape[1] not in (2, 3):
@@ -160,8 +186,9 @@ class Mesh:
         for kind, data in blocks:
             if kind in ("triangle", "quad") or re.fullmatch(r"polygon\d*", kind):
                 # A surface that is named beside its solid is that solid's boundary.
-                self.faces += [face for face in data.tolist()
-                               if not known or tuple(sorted(face)) not in known]
+                cut = ((_corners(face), face) for face in data.tolist())
+                self.faces += [few if len(few) > 2 else face for few, face in cut
+                               if not known or tuple(sorted(few)) not in known]
             elif kind == "line":
                 self.lines += data.tolist()
             elif kind == "vertex":
