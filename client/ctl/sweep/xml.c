@@ -213,10 +213,7 @@ bool xml_numbers(struct xml *xml, const struct xml_element *of, const char *name
     }
     for (; ctl_word_next(&rest, &word); given++) {
         double value = NAN;
-        bool is_number =
-            ctl_word_double(&word, &value) && isfinite(value) &&
-            strspn(word.at, "+-.0123456789eE") >= (size_t)(word.end - word.at);
-        if (!is_number) {
+        if (!ctl_word_double(&word, &value) || !isfinite(value)) {
             xml_refuse(xml, of, "%s: %s=\"%s\" of <%s>: \"%.*s\" is no finite number",
                        whose, name, tool_shown(text), of->name, CTL_QUOTE(word));
             return true;
