@@ -159,6 +159,8 @@ class Files(unittest.TestCase):
                 "0 0 0\n1 0 0\n0 1 0\n1 2 3\n")
         grid = "GRID,1,{0},0.,0.,0.\nGRID,2,{0},1.,0.,0.\nGRID,3,{0},0.,1.,0.\n"
         deck = "BEGIN BULK\n" + grid + "CTRIA3,1,1,1,2,3\n"
+        su2 = ("NDIME= 3\nNELEM= 1\n5 0 1 2 0\nNPOIN= 3\n0 0 0 0\n1 0 0 1\n0 1 0 2\n"
+               "NMARK= 0\n")
         for name, words, text in (
                 ("parts.inp", "several blocks *NODE", part + part),
                 ("axes.inp", "*NODE in other", part.replace("*Node", "*Node, system=C")),
@@ -170,13 +172,16 @@ class Files(unittest.TestCase):
                 ("frame.bdf", "a coordinate system", deck.format(7) + "ENDDATA\n"),
                 ("more.bdf", "include", deck.format("") + "include 'a.bdf'\nENDDATA\n"),
                 ("zones.dat", "several zones", axes + zone + zone),
+                ("zones.su2", "several zones", su2 + su2),
+                ("parts.dato", "several blocks $COOR", "$COOR\n1 0 0 0\n$COOR\n"),
                 ("none.ele", "no line says", "# nothing\n")):
             self.text(name, text)
             self.refused(words, name, "a.vtu")
         self.text("one.inp", part + "*Instance, name=A\n*End Instance\n*Node Output\nU\n")
         self.text("one.bdf", deck.format("") + "ENDDATA\n")
         self.text("one.dat", axes + zone)
-        for name in ("one.inp", "one.bdf", "one.dat"):
+        self.text("one.su2", su2)
+        for name in ("one.inp", "one.bdf", "one.dat", "one.su2"):
             self.assertEqual(self.told(0, name, name)["triangles"], 1, name)
         self.text("a.fbx", "Kaydara FBX Binary  ")
         self.refused("export glTF", "a.fbx", "a.vtu")

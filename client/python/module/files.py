@@ -85,6 +85,7 @@ _XDMF: _Lost = ((rb"<Time\b", 0, "a time"), (rb"Temporal", 0, "a series of times
                 (rb"<Grid[\s>]", 1, "several grids"))
 _NASTRAN: _Lost = ((rb"^(INCLUDE|GRDSET)\b", 0, ""),)
 _TECPLOT: _Lost = ((rb"^\s*ZONE\b", 1, "several zones"),)
+_PERMAS: _Lost = ((rb"^\s*\$COOR\b", 1, "several blocks $COOR"),)
 _LOST: Dict[str, _Lost] = {
     ".vtk": ((rb"^(TRIANGLE_STRIPS|DATASET POLYDATA)\b", 0, ""),),
     ".xdmf": _XDMF, ".xmf": _XDMF,
@@ -94,7 +95,8 @@ _LOST: Dict[str, _Lost] = {
              (rb"^\*\s*INSTANCE\b.*\n\s*[^*\s]", 0, "an *INSTANCE that is moved"),
              (rb"^\*\s*(INCLUDE|SYSTEM|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY)\b", 0, "")),
     ".bdf": _NASTRAN, ".nas": _NASTRAN, ".fem": _NASTRAN,
-    ".dat": _TECPLOT, ".tec": _TECPLOT}
+    ".dat": _TECPLOT, ".tec": _TECPLOT, ".dato": _PERMAS, ".post": _PERMAS,
+    ".su2": ((rb"^\s*NPOIN\b", 1, "several zones"),)}
 
 
 def _judge(path: str) -> Tuple[int, int]:
