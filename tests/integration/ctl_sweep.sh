@@ -106,7 +106,9 @@ refused '4: joint "elbow": revolute, and no <limit>' "$box" 'revolute ' &&
         'revolute <limit lower="1" upper="-1"/>' &&
     refused '4: joint "elbow": no joint is of the type "hinge"' "$box" 'hinge ' &&
     refused '5: <xacro:arm>: have xacro make URDF of it first' "$box" "revolute $limit" \
-        '<xacro:arm/>'
+        '<xacro:arm/>' &&
+    urdf "$box" 'revolute <limit lower="0" upper="9e6"/>' &&
+    ends 4 'r.urdf: joint "elbow", at 0 to 9e+06: its angle is beyond 2^20 turns' sweep r.urdf
 report "a joint without a range, or with a wrong one, is refused"
 
 # Otherwise a broken file would be read as far as it goes.

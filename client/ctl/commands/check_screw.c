@@ -7,8 +7,8 @@
 
 #include "ctl.h"
 #include "robot.h"
+#include "sine.h"
 
-#define ANGLE_MAX  6588397.0 /* of a joint: 2^20 turns */
 #define LENGTH_MAX 1e18
 
 static void take_vector(struct argp_state *state, const struct option_row *row,
@@ -39,7 +39,7 @@ static void take_angle(struct argp_state *state, const struct option_row *row,
         angle *= ROBOT_PI / 180;
         stop += 3;
     }
-    if (!is_right || *stop != '\0' || angle == 0 || !(fabs(angle) <= ANGLE_MAX)) {
+    if (!is_right || *stop != '\0' || angle == 0 || !(fabs(angle) <= COMMON_ANGLE_MAX)) {
         option_misused(state,
                        "--%s: \"%s\" is not an angle in radians, or in degrees as 90deg, "
                        "other than 0 and of at most 2^20 turns",

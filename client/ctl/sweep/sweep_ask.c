@@ -7,6 +7,7 @@
 #include "array.h"
 #include "joints.h"
 #include "link.h"
+#include "shown.h"
 #include "sweep.h"
 
 #define TOLERANCE_MIN 1e-12
@@ -19,6 +20,28 @@ static int fail(struct sweep *sweep, int status)
                                pccd_error_text(sweep->client),
                                status == PCCD_E_TIMEOUT ? "; --timeout gives it longer"
                                                         : "");
+}
+
+/* Refuse joints and places that can be none, by the names that the file has for them. */
+static int judge_joints(const struct sweep *sweep, const double *from, const double *to)
+{
+    const struct robot *robot = sweep->robot;
+    const uint32_t count = robot->joint_count;
+    for (uint32_t i = 0; i < count + robot->shape_count; i++) {
+        const char *fault = common_joint_fault(&sweep->joints[i], i);
+        if (fault != NULL && i < count) {
+            const char *name = tool_shown(robot->joints[i].name);
+            return ctl_error_set(sweep->error, PCCD_E_INVAL,
+                                 "%s: joint \"%s\", at %g to %g: %s", robot->path, name,
+                                 from[i], to[i], fault);
+        }
+        if (fault != NULL) {
+            const char *name = robot->parts[robot->shapes[i - count].part].name;
+            return ctl_error_set(sweep->error, PCCD_E_INVAL, "%s: where \"%s\" is: %s",
+                                 robot->path, tool_shown(name), fault);
+        }
+    }
+    return PCCD_OK;
 }
 
 static int put_shape(struct sweep *sweep, struct robot_shape *shape)
@@ -163,6 +186,9 @@ int sweep_ask(struct sweep *sweep, const double *from, const double *to, double 
     settings.tolerance = fmin(fmax(tolerance, TOLERANCE_MIN), 1);
     *hit = (struct sweep_hit){.is_there = false};
     robot_joints(sweep->robot, from, to, sweep->joints);
+    if (judge_joints(sweep, from, to) != PCCD_OK) {
+        return PCCD_E_INVAL;
+    }
     sweep->asked++;
     settings.joints = sweep->joints;
     settings.joint_count = sweep->robot->joint_count + sweep->robot->shape_count;
