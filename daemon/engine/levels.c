@@ -61,8 +61,14 @@ static void unite(const struct pccd_box *box, const struct eng_box_frame *frame,
 static const struct eng_box_frame *frame_of_block(const struct eng_scene *scene,
                                                   enum pccd_tree kind, uint32_t block)
 {
-    uint32_t owner = eng_wide_owner_of(eng_wide_of(scene), kind, block);
-    return owner == ENG_NO_OBJECT ? NULL : &scene->objects[owner].frame;
+    const struct eng_wide *wide = eng_wide_of(scene);
+    const struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t slot = block * ENG_WIDE;
+    if (kind != PCCD_TREE_VERTICES) {
+        slot = tree->corner[0][slot];
+    }
+    uint64_t owner = wide->points[slot].word0;
+    return owner == ENG_WIDE_NOBODY ? NULL : &scene->objects[owner >> 32].frame;
 }
 
 /* Return the box of what is below a block of a level, object by object: they may have

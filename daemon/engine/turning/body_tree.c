@@ -464,29 +464,59 @@ static void put_boxes(const struct four_bounds *bounds, struct eng_body_boxes *b
     }
 }
 
-/* Make the boxes of a node, of corners as they are from its origin; those of the nodes
- * after it are there. */
-static void make_boxes(const struct eng_mesh *mesh, const struct eng_body_tree *tree,
-                       const eng_f4 *corners, uint32_t node, struct eng_body_boxes *boxes)
+/* Hold what boxes are made of. */
+struct source {
+    const struct eng_mesh *mesh;
+    const struct eng_body_tree *tree;
+    const eng_f4 *corners; /* from the origin of the boxes */
+    bool no_lowest;        /* lowest nodes get none */
+};
+
+/* Return whether no child of a node is a node. */
+static bool is_lowest(const uint32_t children[4])
 {
-    const uint32_t *children = tree->children[node];
+    return (children[0] & children[1] & children[2] & children[3] & ENG_BODY_LEAF) != 0;
+}
+
+/* Bound the leaves of a lowest node, which has no boxes. */
+static void bound_leaves(const struct eng_mesh *mesh, const uint32_t children[4],
+                         const eng_f4 *corners, eng_f4 *low, eng_f4 *high)
+{
+    bound_leaf(&mesh->leaves[children[0] & ~ENG_BODY_LEAF], corners, low, high);
+    for (int i = 1; i < 4 && children[i] != ENG_BODY_NONE; i++) {
+        eng_f4 from;
+        eng_f4 to;
+        bound_leaf(&mesh->leaves[children[i] & ~ENG_BODY_LEAF], corners, &from, &to);
+        *low = eng_min4(*low, from);
+        *high = eng_max4(*high, to);
+    }
+}
+
+/* Make the boxes of a node; those of the nodes after it are in `boxes`, but for those of
+ * lowest ones that get none. */
+static void make_boxes(const struct source *from, uint32_t node,
+                       const struct eng_body_boxes *boxes, struct eng_body_boxes *made)
+{
+    const uint32_t(*nodes)[4] = (const uint32_t(*)[4])from->tree->children;
+    const uint32_t *children = nodes[node];
     struct four_bounds bounds;
     for (int i = 0; i < 4; i++) {
-        bounds.low[i] = bounds.high[i] = (eng_f4){0, 0, 0, 0};
         if (children[i] == ENG_BODY_NONE) {
-            continue;
-        }
-        if (children[i] & ENG_BODY_LEAF) {
-            bound_leaf(&mesh->leaves[children[i] & ~ENG_BODY_LEAF], corners,
+            bounds.low[i] = bounds.high[i] = (eng_f4){0, 0, 0, 0};
+        } else if (children[i] & ENG_BODY_LEAF) {
+            bound_leaf(&from->mesh->leaves[children[i] & ~ENG_BODY_LEAF], from->corners,
                        &bounds.low[i], &bounds.high[i]);
+        } else if (from->no_lowest && is_lowest(nodes[children[i]])) {
+            bound_leaves(from->mesh, nodes[children[i]], from->corners, &bounds.low[i],
+                         &bounds.high[i]);
         } else {
             bound_node(&boxes[children[i]], &bounds.low[i], &bounds.high[i]);
         }
     }
-    put_boxes(&bounds, &boxes[node]);
+    put_boxes(&bounds, made);
     for (int i = 0; i < 4 && children[3] == ENG_BODY_NONE; i++) {
         for (int k = 0; k < 3 && children[i] == ENG_BODY_NONE; k++) {
-            boxes[node].half[k][i] = -0x1p120f; /* holds nothing */
+            made->half[k][i] = -0x1p120f; /* holds nothing */
         }
     }
 }
@@ -571,10 +601,11 @@ static struct eng_body_tree *begin_tree(const struct eng_body_builder *builder)
 /* Give the nodes their children and boxes, from the last to the first. */
 static bool fill_tree(struct eng_body_builder *builder, struct eng_body_tree *tree)
 {
+    const struct source from = {builder->mesh, tree, builder->corners, false};
     while (builder->at < tree->node_count) {
         uint32_t node = tree->node_count - ++builder->at;
         memcpy(tree->children[node], builder->children[node], sizeof *tree->children);
-        make_boxes(builder->mesh, tree, builder->corners, node, tree->boxes);
+        make_boxes(&from, node, tree->boxes, &tree->boxes[node]);
         if (!goes_on(builder, ITEMS_OF_NODE)) {
             return false;
         }
@@ -663,6 +694,9 @@ const struct eng_body_tree *eng_body_tree_of(const struct eng_mesh *mesh)
 #define VERTICES_PER_LOOK 4096u
 #define NODES_PER_LOOK    1024u
 
+/* Nodes after which leaves are used that are fetched: they lie anywhere in the mesh. */
+#define AHEAD 8u
+
 void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh)
 {
     const struct eng_body_tree *tree = eng_body_tree_of(mesh);
@@ -694,10 +728,13 @@ static int compare(const struct eng_body *body, const double (*a)[3],
     return PCCD_OK;
 }
 
-/* Make boxes; there is room for corners. False: it was stopped. */
-static bool fit(const struct eng_body *body, const struct eng_body_tree *tree,
-                const double (*x)[3], eng_f4 *corners, struct eng_body_boxes *boxes)
+/* Make boxes of an end; there is room for corners. False: it was stopped. */
+static bool fit(const struct eng_body *body, int end, struct eng_body_boxes *boxes)
 {
+    const struct eng_body_tree *tree = eng_body_tree_of(body->mesh);
+    const double(*x)[3] = body->x[end];
+    eng_f4 *corners = body->corners[end];
+    const struct source from = {body->mesh, tree, corners, body->lacks_lowest};
     for (uint32_t i = 0; i < body->mesh->info.vertex_count; i++) {
         if (i % VERTICES_PER_LOOK == 0 && i > 0 && wants_no_more(body)) {
             return false;
@@ -705,10 +742,16 @@ static bool fit(const struct eng_body *body, const struct eng_body_tree *tree,
         corners[i] = eng_body_place(x[i], body->origin);
     }
     for (uint32_t node = tree->node_count; node-- > 0;) {
+        const uint32_t *ahead = tree->children[node >= AHEAD ? node - AHEAD : 0];
+        for (int i = 0; i < 4 && ahead[i] != ENG_BODY_NONE; i++) {
+            __builtin_prefetch(&body->mesh->leaves[ahead[i] & ~ENG_BODY_LEAF]);
+        }
         if (node % NODES_PER_LOOK == 0 && wants_no_more(body)) {
             return false;
         }
-        make_boxes(body->mesh, tree, corners, node, boxes);
+        if (!from.no_lowest || !is_lowest(tree->children[node])) {
+            make_boxes(&from, node, boxes, &boxes[node]);
+        }
     }
     return true;
 }
@@ -741,10 +784,11 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
         eng_body_set(body, mesh);
         return PCCD_OK;
     }
-    const uint64_t all =
-        (stands ? 1 : 2) * (uint64_t)tree->node_count +
+    const uint32_t ends = stands ? 1 : 2;
+    const uint64_t corners =
         (mesh->info.vertex_count * sizeof(eng_f4) + sizeof *body->fit - 1) /
-            sizeof *body->fit;
+        sizeof *body->fit;
+    const uint64_t all = ends * (tree->node_count + corners);
     if (status == PCCD_OK && all > UINT32_MAX) {
         status = PCCD_E_LIMIT;
     }
@@ -758,15 +802,27 @@ int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
     body->x[0] = x0;
     body->x[1] = x1;
     set_box(bounds, &body->box, body->origin);
-    struct eng_body_boxes *boxes = body->fit;
-    eng_f4 *corners = (void *)(boxes + (stands ? 1 : 2) * tree->node_count);
-    bool is_made = fit(body, tree, x0, corners, boxes);
-    body->boxes[0] = body->boxes[1] = boxes;
-    if (!stands) {
-        is_made = is_made && fit(body, tree, x1, corners, boxes + tree->node_count);
-        body->boxes[1] = boxes + tree->node_count;
+    bool is_made = true;
+    body->lacks_lowest = body->may_lack_lowest && !stands;
+    for (uint32_t end = 0; end < ends && is_made; end++) {
+        struct eng_body_boxes *boxes = body->fit + end * tree->node_count;
+        body->corners[end] =
+            (void *)(body->fit + ends * tree->node_count + end * corners);
+        is_made = fit(body, (int)end, boxes);
+        body->boxes[end] = boxes;
+    }
+    if (stands) {
+        body->boxes[1] = body->boxes[0];
     }
     return is_made ? PCCD_OK : PCCD_E_AGAIN;
+}
+
+void eng_body_bound_lowest(const struct eng_body *body, int end, uint32_t node,
+                           struct eng_body_boxes *boxes)
+{
+    const struct source from = {body->mesh, eng_body_tree_of(body->mesh),
+                                body->corners[end], false};
+    make_boxes(&from, node, NULL, boxes);
 }
 
 uint32_t eng_body_split(uint32_t most, uint64_t *tasks,

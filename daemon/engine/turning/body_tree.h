@@ -76,6 +76,10 @@ struct eng_body {
     struct eng_path_box box;    /* around all, at both ends */
     struct eng_body_boxes *fit; /* what it has made itself; NULL: nothing */
     uint32_t fit_capacity;      /* in nodes: of both ends, and of corners */
+    eng_f4 *corners[2];         /* of a fit: x from the origin, rounded */
+    bool lacks_lowest; /* a fit at two ends has no boxes of nodes with leaves alone */
+    /* Set by the caller: whether a fit may lack these, which take most of its time. */
+    bool may_lack_lowest;
     /* Set by the caller: asked every 0.2 ms or so of a fit; NULL: never. */
     bool (*should_stop)(void *owner);
     void *owner;
@@ -90,6 +94,10 @@ void eng_body_set(struct eng_body *body, const struct eng_mesh *mesh);
 int eng_body_fit(struct eng_body *body, const struct eng_mesh *mesh,
                  const double (*x0)[3], const double (*x1)[3],
                  const struct eng_bounds *bounds);
+
+/* Make boxes of a node that a fit lacks. */
+void eng_body_bound_lowest(const struct eng_body *body, int end, uint32_t node,
+                           struct eng_body_boxes *boxes);
 
 /* Take positions in the world as eng_body_fit does, but without boxes: for what goes by
  * the boxes of the mesh, where poses take it (straight.h). */

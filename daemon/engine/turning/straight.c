@@ -53,6 +53,7 @@
 struct view {
     const struct eng_object *object;
     uint32_t index; /* of the object */
+    const struct eng_body *body;
     const struct eng_body_tree *tree;
     const struct eng_body_boxes *boxes[2];
     const struct eng_path_box *box; /* around all of these */
@@ -279,6 +280,7 @@ static double reach_of(const struct view *view)
 static void set_side(struct view *view, const struct eng_turning_side *side)
 {
     view->object = side->object;
+    view->body = side->body;
     view->tree = eng_body_tree_of(side->object->mesh);
     view->box = side->poses ? &view->tree->box : &side->body->box;
     view->origin = side->poses ? view->tree->origin : side->body->origin;
@@ -415,9 +417,16 @@ static void know_node(const struct eng_straight *straight, int side,
                       struct opened *opened, int axes)
 {
     const struct view *view = &straight->side[side];
-    const struct eng_body_boxes *const boxes[2] = {view->boxes[0] + opened->node,
-                                                   view->boxes[1] + opened->node};
-    know(straight, side, opened, boxes, axes);
+    const struct eng_body_boxes *boxes[2] = {view->boxes[0] + opened->node,
+                                             view->boxes[1] + opened->node};
+    struct eng_body_boxes made[2];
+    const bool lacks =
+        view->deforms && view->body->lacks_lowest && opened->leaves == opened->children;
+    for (int end = 0; end < 2 && lacks; end++) {
+        eng_body_bound_lowest(view->body, end, opened->node, &made[end]);
+        boxes[end] = &made[end];
+    }
+    know(straight, side, opened, boxes, lacks ? straight->axes : axes);
 }
 
 /* Return which children of a node of a side may meet an item of the other one; of these

@@ -626,6 +626,7 @@ static int make_body(struct eng_turning_step *step, struct eng_worker *worker,
         part->fitted = 0;
         return PCCD_OK;
     }
+    body->may_lack_lowest = !stands && !part->wants_fit;
     body->should_stop = should_stop;
     body->owner = worker;
     status = eng_body_fit(body, object->mesh, x0, x1, &bounds);

@@ -24,7 +24,7 @@ struct eng_turning_part {
     struct eng_body body;
     uint64_t fitted; /* moving.number of the step for which they were fitted; 0: none */
     bool takes_part; /* in this step */
-    bool wants_fit;  /* it has poses, but may meet one that turns by spans */
+    bool wants_fit;  /* it may meet one that turns by spans, and has to have all boxes */
     struct eng_turning_bend bend; /* if it turns */
 };
 

@@ -191,17 +191,6 @@ static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
            wide->trees[tree].index[slot];
 }
 
-/* Return the object whose features are in a block of the lowest level; ENG_NO_OBJECT:
- * nobody's. */
-static inline uint32_t eng_wide_owner_of(const struct eng_wide *wide, enum pccd_tree kind,
-                                         uint32_t block)
-{
-    uint32_t slot = block * ENG_WIDE;
-    slot = kind == PCCD_TREE_VERTICES ? slot : wide->trees[kind].corner[0][slot];
-    static_assert(ENG_WIDE_NOBODY >> 32 == ENG_NO_OBJECT, "as any other object");
-    return (uint32_t)(wide->points[slot].word0 >> 32);
-}
-
 /* Have boxes around some blocks that are nowhere, in floats or in whole numbers. */
 void eng_wide_put_nowhere(const struct eng_wide_tree *tree, uint32_t first, uint32_t end,
                           bool floats);

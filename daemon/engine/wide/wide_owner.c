@@ -190,6 +190,12 @@ static bool is_apart(const struct eng_masks *masks, const struct eng_wide_owner 
            masks->entries[owner->object].left_out == ENG_SELF_APART;
 }
 
+bool eng_wide_owners_is_apart(const struct eng_wide_owners *owners, enum pccd_tree kind,
+                              uint32_t block)
+{
+    return owners->masks && is_apart(owners->masks, &owners->of[kind][block]);
+}
+
 /* A node of an object has its bits; the groups of several are those of any of them, and
  * that an object is below both nodes is seen by their places in the order, which are
  * without gaps. Then pairs of the one object may be left, besides. */

@@ -48,6 +48,11 @@ int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wid
  * themselves is known only once their positions are. [any] */
 bool eng_wide_owners_are_on(const struct eng_wide_owners *owners);
 
+/* Return whether the step looks for no pair of what is in a block of the lowest level, as
+ * it is of an object that turns. [any] */
+bool eng_wide_owners_is_apart(const struct eng_wide_owners *owners, enum pccd_tree kind,
+                              uint32_t block);
+
 /* Return whether anything below node n may meet anything below node m of a level, of the
  * two trees of a kind of pair (of one tree n == m for a node with itself). [any] */
 bool eng_wide_owners_allow(const struct eng_wide_owners *owners, enum pccd_kind kind,

@@ -9,6 +9,7 @@
 #include "thickness.h"
 #include "wide.h"
 #include "wide_cells.h"
+#include "wide_state.h"
 #include "world.h"
 
 /* Blocks at a time whose floats are only made to become whole numbers: 14 KiB. */
@@ -187,15 +188,14 @@ static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
-/* Return whether nothing asks for boxes of a block, as it is of an object that turns. The
+/* Return whether nothing asks for boxes of a block: it is of an object that turns. The
  * last one of vertices has the slot that is nobody's, too, which others ask for. */
 static bool is_left_out(const struct eng_wide *wide, const struct eng_scene *scene,
                         enum pccd_tree kind, uint32_t block)
 {
-    uint32_t owner = eng_wide_owner_of(wide, kind, block);
     bool is_last = block + 1 == wide->trees[kind].block_count[0];
-    return owner != ENG_NO_OBJECT && !(is_last && kind == PCCD_TREE_VERTICES) &&
-           scene->masks.entries[owner].left_out == ENG_SELF_APART;
+    return !(is_last && kind == PCCD_TREE_VERTICES) &&
+           eng_wide_owners_is_apart(&eng_wide_state_of(scene)->owners, kind, block);
 }
 
 /* Blocks first .. end - 1; those that are left out are nowhere, so that nodes above them
