@@ -16,8 +16,9 @@
  * all the time, that it could not be decided, either. */
 #define TESTS_MOST (1ull << 28)
 
-/* Two objects turn little where one goes no farther than that part of the smaller one,
- * and leaves its chords by no more than that part of a triangle, about. */
+/* Two objects turn little where one leaves its chords by no more than that part of a
+ * triangle, about, and, but in mode all, goes no farther than that part of the smaller
+ * one. */
 #define WAY_PART 0.5
 #define BOW_PART 0.25
 
@@ -206,31 +207,33 @@ struct eng_turning_bend eng_turning_bend_of(const struct eng_path *path,
                                      eng_path_speed(path, &box, 0, 1)};
 }
 
-bool eng_turning_bends_little(const struct eng_turning_bend *bend,
+bool eng_turning_bends_little(const struct eng_turning_bend *bend, bool finds_all,
                               const struct eng_mesh *a, const struct eng_mesh *b)
 {
     const struct eng_mesh *const meshes[2] = {a, b};
     bool is_little = true;
     for (int i = 0; i < 2; i++) {
         const double size = eng_bounds_size(&meshes[i]->bounds);
-        is_little &= bend->way <= WAY_PART * size &&
+        is_little &= (finds_all || bend->way <= WAY_PART * size) &&
                      bend->bow <= BOW_PART * size / sqrt(meshes[i]->leaf_count);
     }
     return is_little;
 }
 
 /* Begin to go by chords, if that is wanted. */
-static void begin_chords(struct eng_turning *turning, enum eng_turning_way way)
+static void begin_chords(struct eng_turning *turning,
+                         const struct eng_turning_objects *objects)
 {
     struct eng_turning_side side[2] = {turning->side[0], turning->side[1]};
     const struct eng_mesh *mesh = side[1].object->mesh;
-    turning->by_chords = way != ENG_TURNING_BY_SPANS;
+    turning->by_chords = objects->way != ENG_TURNING_BY_SPANS;
     if (!turning->by_chords) {
         return;
     }
-    if (way == ENG_TURNING_BY_BEND) {
+    if (objects->way == ENG_TURNING_BY_BEND) {
         const struct eng_turning_bend bend = eng_turning_bend_of(&turning->path, mesh);
-        turning->by_chords = eng_turning_bends_little(&bend, side[0].object->mesh, mesh);
+        turning->by_chords = eng_turning_bends_little(&bend, objects->finds_all,
+                                                      side[0].object->mesh, mesh);
     }
     double error = 0;
     for (int end = 0; end < 2; end++) {
@@ -285,7 +288,7 @@ int eng_turning_begin(struct eng_turning *turning,
     sweep->take = take;
     sweep->should_stop = should_stop;
     sweep->owner = turning;
-    begin_chords(turning, objects->way);
+    begin_chords(turning, objects);
     if (!turning->by_chords) {
         eng_sweep()->begin(sweep);
     }

@@ -46,6 +46,7 @@ struct eng_turning_objects {
      * to that. */
     double resolution;
     uint64_t tests_most; /* of boxes, by a task; 0: the default. Fewer are for tests */
+    bool finds_all;      /* mode all */
     /* Chords: nothing is thick. BY_BEND: these, if eng_turning_bends_little; both turn,
      * or stand. */
     enum eng_turning_way way;
@@ -67,8 +68,9 @@ struct eng_turning_bend eng_turning_bend_of(const struct eng_path *path,
                                             const struct eng_mesh *mesh);
 
 /* Return whether two objects move so little beside each other, as the way of one of them
- * is seen from the other, that chords of the whole step take less time than spans. */
-bool eng_turning_bends_little(const struct eng_turning_bend *bend,
+ * is seen from the other, that chords of the whole step take less time than spans.
+ * `finds_all`: in mode all they do however far one goes, as nothing ends the search. */
+bool eng_turning_bends_little(const struct eng_turning_bend *bend, bool finds_all,
                               const struct eng_mesh *a, const struct eng_mesh *b);
 
 /* Get ready for two objects, which must stay until the next. PCCD_E_LIMIT: too many

@@ -392,7 +392,7 @@ static enum eng_turning_way way_of(const struct eng_turning_step *step, uint32_t
     const struct eng_object *const objects[2] = {&scene->objects[a], &scene->objects[b]};
     const struct eng_turning_bend *bend = NULL;
     uint32_t turning = 0;
-    bool can = !step->is_any && step->tests_most == 0 && step->separation == 0 &&
+    bool can = step->mode != PCCD_MODE_ANY && step->tests_most == 0 && step->separation == 0 &&
                !(eng_thickness_clearance(scene, a, b) > 0);
     for (int i = 0; i < 2; i++) {
         const struct eng_object *object = objects[i];
@@ -405,7 +405,8 @@ static enum eng_turning_way way_of(const struct eng_turning_step *step, uint32_t
     return !can                                ? ENG_TURNING_BY_SPANS
            : step->is_test && (a + b) % 2 != 0 ? ENG_TURNING_BY_CHORDS
            : turning == 2                      ? ENG_TURNING_BY_BEND
-           : eng_turning_bends_little(bend, objects[0]->mesh, objects[1]->mesh)
+           : eng_turning_bends_little(bend, step->mode == PCCD_MODE_ALL,
+                                      objects[0]->mesh, objects[1]->mesh)
                ? ENG_TURNING_BY_CHORDS
                : ENG_TURNING_BY_SPANS;
 }
@@ -524,7 +525,7 @@ void eng_turning_step_begin(struct eng_turning_step *step, bool by_poses,
     step->resolution = question->resolution;
     step->tests_most = question->turning_tests;
     step->is_test = question->team_always;
-    step->is_any = question->mode == PCCD_MODE_ANY;
+    step->mode = question->mode;
     step->couple_count = 0;
     step->divided_count = 0;
     step->joining_count = 0;
@@ -655,7 +656,8 @@ static int begin_couple(struct eng_turning_step *step, struct eng_worker *worker
         .separation = step->separation,
         .clearance = eng_thickness_clearance(step->scene, couple->a, couple->b),
         .resolution = step->resolution,
-        .tests_most = step->tests_most};
+        .tests_most = step->tests_most,
+        .finds_all = step->mode == PCCD_MODE_ALL};
     const bool is_straight = are_straight(step, couple->a, couple->b);
     for (int side = 0; side < 2; side++) {
         const struct eng_object *object = &step->scene->objects[objects[side]];

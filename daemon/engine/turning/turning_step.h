@@ -62,7 +62,7 @@ struct eng_turning_step {
     double resolution;
     uint64_t tests_most;
     bool is_test; /* every second couple goes by chords that can, however much it turns */
-    bool is_any;  /* mode any, which tries couples by spans */
+    enum pccd_mode mode; /* any tries couples by spans */
     struct eng_turning_part *parts; /* [part_capacity] by object */
     uint32_t part_capacity;
     struct eng_turning_item *items; /* [item_capacity] */
