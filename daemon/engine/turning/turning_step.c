@@ -392,8 +392,8 @@ static enum eng_turning_way way_of(const struct eng_turning_step *step, uint32_t
     const struct eng_object *const objects[2] = {&scene->objects[a], &scene->objects[b]};
     const struct eng_turning_bend *bend = NULL;
     uint32_t turning = 0;
-    bool can = step->mode != PCCD_MODE_ANY && step->tests_most == 0 && step->separation == 0 &&
-               !(eng_thickness_clearance(scene, a, b) > 0);
+    bool can = step->mode != PCCD_MODE_ANY && step->tests_most == 0 &&
+               step->separation == 0 && !(eng_thickness_clearance(scene, a, b) > 0);
     for (int i = 0; i < 2; i++) {
         const struct eng_object *object = objects[i];
         can &= eng_thickness_most(object) == 0;
