@@ -174,6 +174,7 @@ class Files(unittest.TestCase):
                 ("zones.dat", "several zones", axes + zone + zone),
                 ("zones.su2", "several zones", su2 + su2),
                 ("parts.dato", "several blocks $COOR", "$COOR\n1 0 0 0\n$COOR\n"),
+                ("a.dato.gz", "several blocks $COOR", "$COOR\n1 0 0 0\n$COOR\n"),
                 ("none.ele", "no line says", "# nothing\n")):
             self.text(name, text)
             self.refused(words, name, "a.vtu")

@@ -101,7 +101,8 @@ _LOST: Dict[str, _Lost] = {
 
 def _judge(path: str) -> Tuple[int, int]:
     """What the file itself says: how many points and cells; -1: that is not known."""
-    ending = os.path.splitext(path)[1].lower()
+    # meshio takes .dato.gz for plain text, too.
+    ending = os.path.splitext(re.sub(r"\.gz$", "", path.lower()))[1]
     if ending == ".fbx":
         raise Refusal(f"{path}: FBX is not read; open it in Blender and export glTF "
                       "(.glb), which pccdctl check reads, animations included")
