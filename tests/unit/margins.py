@@ -22,8 +22,6 @@ CONSTANTS = [
      "The code: `{thick} u24`, {areas}, and three times these"),
     ("sift.c", r"length = (?P<length>\d+) \* ENG_N_U \* \(b \* c\) \+ "
      r"(?P<length_areas>\d+) \*", "twice `{half} u24 BC + {half_areas} (B + C)`"),
-    ("sift.c", r"off = (?P<off>\d+) \+ (?P<beside>\d+) \* ENG_N_U",
-     "The code: `{off} + {beside} u24 S`"),
     ("sift_near.c", r"(?P<near>\d+) \* ENG_N_U \* \(a \* b \* c\) \+ "
      r"(?P<near_areas>\d+) \*", "The code: `{near} u24`, and {near_areas}"),
     ("sift_near.c", r"(?P<normal>\d+) \* ENG_N_U \* \(b \* c\) \+ "
@@ -44,7 +42,7 @@ WORDS = {6: "six", 12: "twelve"}
 # sieve: the grid"): so much of the products of two of three lengths, or of one of two.
 CELL = 1.01
 ON_GRID = {"areas": 6 * CELL, "near_areas": 6 * CELL, "normal_areas": 2 * CELL,
-           "length_areas": 4 * CELL * 3 ** 0.5, "off_grid": CELL, "off": 2 * CELL}
+           "length_areas": 4 * CELL * 3 ** 0.5, "off_grid": CELL}
 LEFT_OVER = 1.06
 
 
@@ -176,45 +174,6 @@ def cut(bits):
     return lines, given
 
 
-def narrowed(bits, off):
-    """As shorten_times: three halvings of coefficients that are off by so much."""
-    lines = operators(bits)
-    given = []
-    now = ["h0a", "h0b", "h0c", "h0d"]
-    for name in now:
-        given += [f"E{name} in [-6.05,6.05]",
-                  f"{name} - E{name} in [-{off}b-{bits},{off}b-{bits}]"]
-    for i in range(1, 4):
-        means = (("qa", now[0], now[1]), ("qb", now[1], now[2]), ("l", "qa", "qb"),
-                 ("qc", now[2], now[3]), ("k", "qb", "qc"), ("m", "l", "k"))
-        for name, a, b in means:
-            a, b = (x if x in now else f"h{i}{x}" for x in (a, b))
-            lines += [f"h{i}{name} = {mul('0.5', add(a, b))};",
-                      f"Eh{i}{name} = 0.5 * (E{a} + E{b});"]
-        now = [now[0], f"h{i}qa", f"h{i}l", f"h{i}m"]
-    return lines, given
-
-
-def beside(bits):
-    """As are_aside and keeps_apart: a coordinate at a time, and two projections."""
-    lines = operators(bits) + ["Ex = Exa + Et * (Exb - Exa);",
-                               f"x = {add('xa', mul('t', sub('xb', 'xa')))};"]
-    for s in "pq":
-        terms = [mul(f"g{c}", f"{s}{c}") for c in LETTERS]
-        lines += [f"{s} = {add(add(terms[0], terms[1]), terms[2])};",
-                  f"E{s} = " + " + ".join(f"g{c} * E{s}{c}" for c in LETTERS) + ";"]
-    lines += [f"gap = {sub('p', 'q')};", "Egap = Ep - Eq;"]
-    given = ["Et in [0,1]", f"t -/ Et in [-1b-{bits},1b-{bits}]"]
-    for name in ("xa", "xb"):
-        given += [f"E{name} in [-1,1]", f"{name} -/ E{name} in [-1b-{bits},1b-{bits}]"]
-    for c in LETTERS:
-        given += [f"g{c} in [-1,1]"]
-        for s in "pq":
-            given += [f"E{s}{c} in [-1,1]",
-                      f"{s}{c} - E{s}{c} in [-12b-{bits},12b-{bits}]"]
-    return lines, given
-
-
 def times(bits, slack):
     """As cut_span and leave_no_time: magnitudes of fractions of whole numbers."""
     lines = operators(bits)
@@ -260,12 +219,6 @@ def claims(c):
         "filter": (cubic(c["double_bits"]),
                    of_halves(c["double_bits"], "fa", c["filter"]), ""),
         "cut": (cut(bits), of_halves(bits, "end", c["cut"]), "$ t in 32;"),
-        # A third of the middle ones, by two roundings: 180.2 / 3 + 2 * 6.05, 132.4 + ..
-        "narrowed": (narrowed(bits, 73),
-                     is_off(bits, h3qa=c["cubic"], h3l=c["cubic"], h3m=c["cubic"]), ""),
-        "narrowed_cut": (narrowed(bits, 145),
-                         is_off(bits, h3qa=c["cut"], h3l=c["cut"], h3m=c["cut"]), ""),
-        "beside": (beside(bits), is_off(bits, x=12 * LEFT_OVER, gap=3 * c["beside"]), ""),
         "thick": (cubic(bits), is_off(bits, fa=c["thick"], fb=3 * c["thick"], nax=longest,
                                       nbx=longest), ""),
         "near": (cubic(bits), is_off(bits, fa=c["near"], nax=c["normal"]), ""),

@@ -70,8 +70,7 @@ struct eng_sieve {
     uint32_t end;     /* sift_near: of the step, 0 or 1 */
 };
 
-/* The most pairs at a time, and the places behind them that sieves may write to. */
-#define ENG_SIEVE_MAX   1024u
+/* Places behind the last pair that the sieve may write to. */
 #define ENG_SIEVE_SPARE 16u
 
 /* ---- a chunk, and what kernels say of it ------------------------------------------ */
@@ -228,9 +227,9 @@ struct eng_kernels {
      * and bracket know those with has_kernels in eng_solvers: VF and EE, which the cubic
      * of query.h decides. */
 
-    /* Move the pairs a[count + ENG_SIEVE_SPARE], b[..], at most ENG_SIEVE_MAX, that, by
-     * their marks, neither axes and time reject, nor the cubic, nor a direction while
-     * that may have a root, to the front in the same order; returns how many. */
+    /* Move the pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
+     * cubic nor face diagonals reject, from their marks, to the front in the same order;
+     * returns how many. */
     uint32_t (*sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t *a,
                      uint32_t *b, uint32_t count);
 

@@ -8,8 +8,6 @@
  * Source: BOUNDS.md, the chapters that begin with "The sieve".
  */
 #define ENG_IN_FLOATS
-#include <assert.h>
-
 #include "reject.h"
 #include "table.h"
 
@@ -370,217 +368,75 @@ ENG_INLINE struct cubic cubic_of(enum pccd_kind kind, const struct eng_sieve *si
 
 #endif
 
-/* Numbers known of the cubics of pairs: the coefficients; what the first and the last are
- * off by, those in the middle by three times as much; the largest coordinate of all
- * differences. */
-enum { ERROR = 4, SIZE, KNOWN };
-
-ENG_INLINE uint32_t planes_reject(const struct question *question, struct cubic cubic,
-                                  eng_f known[KNOWN])
+ENG_INLINE uint32_t planes_reject(const struct question *question, struct cubic cubic)
 {
     if (question->is_cut) {
         cut_cubic(cubic.f, question->t_end);
     }
-    eng_f of_products = eng_f_all((question->is_cut ? 216 : 144) * ENG_N_U);
-    memcpy(known, cubic.f, sizeof cubic.f);
-    known[ERROR] = volume_error(cubic.sizes, of_products);
-    known[SIZE] = eng_f_max(eng_f_max(cubic.sizes[0], cubic.sizes[1]), cubic.sizes[2]);
-    return heights_miss(cubic.f, known[ERROR]);
-}
-
-/* ---- beside each other while they may be in a plane -------------------------------- */
-
-/* Most pairs whose cubic has a root cross there outside of each other: then a direction
- * in the plane of both, across an edge, keeps them apart about that time, though hardly
- * for the whole step. So the time is narrowed down first. */
-
-#define HALVINGS 3
-
-/* Return the lanes in which all four are beyond the error on one side. */
-ENG_INLINE eng_fm are_clear(eng_f a, eng_f b, eng_f c, eng_f d, eng_f error)
-{
-    eng_f low = eng_f_min(eng_f_min(a, b), eng_f_min(c, d));
-    eng_f high = eng_f_max(eng_f_max(a, b), eng_f_max(c, d));
-    return eng_fm_or(eng_f_less(error, low), eng_f_less(high, -error));
-}
-
-/* Set `times` to shares of [0, t_end] outside of which the cubics have no root: a half
- * without one goes, as long as there is such a half. */
-ENG_INLINE void shorten_times(const eng_f known[KNOWN], eng_f times[2])
-{
-    const eng_f zero = {0};
-    eng_f f[4] = {known[0], known[1] * (1 / 3.0f), known[2] * (1 / 3.0f), known[3]};
-    times[0] = zero;
-    times[1] = zero + 1;
-#pragma GCC unroll 3
-    for (int i = 0; i < HALVINGS; i++) {
-        eng_f quad[3] = {0.5f * (f[0] + f[1]), 0.5f * (f[1] + f[2]),
-                         0.5f * (f[2] + f[3])};
-        eng_f line[2] = {0.5f * (quad[0] + quad[1]), 0.5f * (quad[1] + quad[2])};
-        eng_f middle = 0.5f * (line[0] + line[1]);
-        eng_f t = 0.5f * (times[0] + times[1]);
-        eng_fm before = are_clear(f[0], quad[0], line[0], middle, known[ERROR]);
-        eng_fm behind = are_clear(middle, line[1], quad[2], f[3], known[ERROR]);
-        times[0] = eng_f_select(before, t, times[0]);
-        times[1] = eng_f_select(behind, t, times[1]);
-        f[0] = eng_f_select(before, middle, f[0]);
-        f[1] = eng_f_select(before, line[1], eng_f_select(behind, quad[0], f[1]));
-        f[2] = eng_f_select(before, quad[2], eng_f_select(behind, line[0], f[2]));
-        f[3] = eng_f_select(behind, middle, f[3]);
-    }
-}
-
-/* Return the lanes in which a direction n x side, whatever n is, keeps features apart at
- * both of two times, and so between them. */
-ENG_INLINE eng_fm keeps_apart(enum pccd_kind kind, struct eng_v e[2][DIFFERENCES],
-                              struct eng_v n, struct eng_v side, eng_f off)
-{
-    const eng_f zero = {0};
-    /* Products of four lengths would not fit. */
-    struct eng_v way = eng_v_scale(eng_f_all(0x1p-32f), eng_v_cross(n, side));
-    struct eng_v size = eng_v_abs(way);
-    eng_f up[2];   /* b above a */
-    eng_f down[2]; /* a above b */
-#pragma GCC unroll 2
-    for (int end = 0; end < 2; end++) {
-        eng_f first = eng_v_dot(way, e[end][0]);
-        eng_f s[2] = {eng_v_dot(way, e[end][1]), eng_v_dot(way, e[end][2])};
-        eng_f low = eng_f_min(s[0], s[1]);
-        eng_f high = eng_f_max(s[0], s[1]);
-        if (kind == PCCD_VF) {
-            up[end] = eng_f_min(first, low);
-            down[end] = -eng_f_max(first, high);
-        } else {
-            up[end] = low - eng_f_max(first, zero);
-            down[end] = eng_f_min(first, zero) - high;
-        }
-    }
-    eng_f widest = eng_f_max(eng_f_min(up[0], up[1]), eng_f_min(down[0], down[1]));
-    return eng_f_less(off * (size.x + size.y + size.z), widest);
-}
-
-/* Return the lanes in which features do not meet while they may be in a plane. */
-ENG_INLINE uint32_t are_aside(const struct question *question, const eng_f known[KNOWN],
-                              const struct eng_g d[2][DIFFERENCES])
-{
-    enum pccd_kind kind = question->kind;
-    eng_f off = 4 + 40 * ENG_N_U * known[SIZE];
-    eng_f times[2];
-    struct eng_v e[2][DIFFERENCES]; /* differences at these */
-    struct eng_v m[DIFFERENCES];    /* in the middle, twice as large */
-    shorten_times(known, times);
-    if (question->is_cut) {
-        times[0] *= question->t_end;
-        times[1] *= question->t_end;
-    }
-#pragma GCC unroll 3
-    for (int k = 0; k < DIFFERENCES; k++) {
-        struct eng_v begin = vector_of(d[0][k]);
-        struct eng_v way = eng_v_sub(vector_of(d[1][k]), begin);
-        e[0][k] = eng_v_add(begin, eng_v_scale(times[0], way));
-        e[1][k] = eng_v_add(begin, eng_v_scale(times[1], way));
-        m[k] = eng_v_add(e[0][k], e[1][k]);
-    }
-    bool is_vf = kind == PCCD_VF;
-    struct eng_v side[2] = {is_vf ? eng_v_sub(m[1], m[0]) : m[0], eng_v_sub(m[2], m[1])};
-    struct eng_v n = eng_v_cross(side[0], is_vf ? side[1] : m[1]);
-    eng_fm out = keeps_apart(kind, e, n, side[0], off);
-    if (is_vf) {
-        out = eng_fm_or(out, keeps_apart(kind, e, n, eng_v_sub(m[0], m[2]), off));
-    } else {
-        n = eng_v_cross(side[1], m[1]); /* edges may be parallel */
-    }
-    return eng_fm_bits(eng_fm_or(out, keeps_apart(kind, e, n, side[1], off)));
+    eng_f of_products = eng_f_all((question->is_cut ? 160 : 80) * ENG_N_U);
+    return heights_miss(cubic.f, volume_error(cubic.sizes, of_products));
 }
 
 /* ---- one test after the other ------------------------------------------------------ */
 
-enum tests { PLANES = 1, TIME = 2, DIAGONALS = 4, ASIDE = 8 };
-
-/* Floats of the pairs that are left, by their places. */
-typedef uint32_t numbers_t[ENG_SIEVE_MAX + ENG_SIEVE_SPARE];
+enum tests { PLANES = 1, TIME = 2, DIAGONALS = 4 };
 
 /* The pairs that none of `tests` rejects move to the front; returns how many. *gone: how
- * many planes or time have rejected. Where there is no reach PLANES writes all[KNOWN],
- * which ASIDE reads. */
+ * many the first of the tests, of this order, has rejected. */
 ENG_INLINE uint32_t pass(const struct question *question, enum tests tests,
                          const struct eng_sieve *sieve, uint32_t *a, uint32_t *b,
-                         uint32_t count, numbers_t *all, uint32_t *gone)
+                         uint32_t count, uint32_t *gone)
 {
-    bool is_thick = question->is_thick;
     uint32_t kept = 0;
-    *gone = count;
+    *gone = 0;
     repeat_last(a, b, count);
     for (uint32_t i = 0; i < count; i += ENG_F_LANES) {
         uint32_t n = count - i < ENG_F_LANES ? count - i : ENG_F_LANES;
         uint32_t lanes = ENG_F_ALL >> (ENG_F_LANES - n);
+        uint32_t out = 0;
         struct eng_g d[2][DIFFERENCES];
-        eng_f known[KNOWN];
-        if (tests & PLANES && !is_thick) {
-            struct cubic cubic = cubic_of(question->kind, sieve, a + i, b + i, d);
-            lanes &= ~planes_reject(question, cubic, known);
+        if (tests & PLANES && !question->is_thick) {
+            out =
+                planes_reject(question, cubic_of(question->kind, sieve, a + i, b + i, d));
         } else {
             eng_marks_load(question->kind, sieve, a + i, b + i, d);
-            lanes &= tests & PLANES ? ~thick_planes_reject(question, d) : ~0u;
         }
-        if (tests & TIME) {
-            lanes &= ~leave_no_time(question->kind, d, question->t_end, question->reach);
+        if (tests & PLANES && question->is_thick) {
+            out = thick_planes_reject(question, d);
+        } else if (tests & TIME) {
+            out = leave_no_time(question->kind, d, question->t_end, question->reach);
         }
-        *gone -= eng_count_lanes(lanes);
+        *gone += eng_count_lanes(out & lanes);
         if (tests & DIAGONALS) {
-            lanes &= ~are_beyond(question->kind, d, AXES, DIRECTIONS,
-                                 DIAGONAL * question->reach);
+            out |= are_beyond(question->kind, d, AXES, DIRECTIONS,
+                              DIAGONAL * question->reach);
         }
-        if (tests & PLANES && !is_thick) {
-            uint32_t x[KNOWN][ENG_F_LANES];
-            memcpy(x, known, sizeof x);
-#pragma GCC unroll 3
-            for (int k = 0; k < KNOWN; k += 2) {
-                eng_compress_pairs(all[k] + kept, all[k + 1] + kept, x[k], x[k + 1],
-                                   lanes);
-            }
-        }
-        if (tests & ASIDE) {
-#pragma GCC unroll 6
-            for (int k = 0; k < KNOWN; k++) {
-                known[k] = (eng_f)eng_fi_load(all[k] + i);
-            }
-            lanes &= ~are_aside(question, known, (const struct eng_g(*)[DIFFERENCES])d);
-        }
-        kept += eng_compress_pairs(a + kept, b + kept, a + i, b + i, lanes);
+        kept += eng_compress_pairs(a + kept, b + kept, a + i, b + i, lanes & ~out);
     }
     return kept;
 }
 
 /* Which of planes and time rejects more depends on the scene, nine of ten pairs with
  * balls in flight by the one, with draped cloth by the other: the better one goes first,
- * over all pairs, then the second and what takes longest. What is rejected does not
- * depend on the order. */
+ * over all pairs, the second with the diagonals over what that leaves. What is rejected
+ * does not depend on the order. */
 ENG_INLINE uint32_t sift(const struct question *question, struct eng_sieve *sieve,
                          uint32_t *a, uint32_t *b, uint32_t count)
 {
-    numbers_t all[KNOWN];
     uint32_t first;
     uint32_t second;
-    uint32_t third;
     uint32_t left;
     uint32_t kept;
-    bool is_thick = question->is_thick;
     bool is_in_time = sieve->in_time && !question->is_cut;
-    assert(count <= ENG_SIEVE_MAX);
     if (is_in_time || sieve->cubic_first) {
-        left = pass(question, PLANES, sieve, a, b, count, all, &first);
+        left = pass(question, PLANES, sieve, a, b, count, &first);
         if (is_in_time) {
-            return pass(question, is_thick ? DIAGONALS : ASIDE, sieve, a, b, left, all,
-                        &third);
+            return pass(question, DIAGONALS, sieve, a, b, left, &second);
         }
-        kept = pass(question, TIME | (is_thick ? DIAGONALS : ASIDE), sieve, a, b, left,
-                    all, &second);
+        kept = pass(question, TIME | DIAGONALS, sieve, a, b, left, &second);
     } else {
-        left = pass(question, TIME, sieve, a, b, count, all, &first);
-        kept = pass(question, PLANES, sieve, a, b, left, all, &second);
-        kept =
-            pass(question, is_thick ? DIAGONALS : ASIDE, sieve, a, b, kept, all, &third);
+        left = pass(question, TIME, sieve, a, b, count, &first);
+        kept = pass(question, PLANES | DIAGONALS, sieve, a, b, left, &second);
     }
     if ((uint64_t)second * count > (uint64_t)first * left) {
         sieve->cubic_first = !sieve->cubic_first;
