@@ -348,8 +348,7 @@ CASE(writers__numbers_are_rounded_as_the_c_library_does)
                                       "9007199254740993",
                                       "0.00000000000000001",
                                       "3.4028235e38",
-                                      "1e-45",
-                                      "0x10"};
+                                      "1e-45"};
     unsigned seed = 5;
     for (int i = 0; i < 200000; i++) {
         char text[40];
