@@ -80,7 +80,8 @@ check_PROGRAMS += bench/peers/turning
 bench_peers_turning_SOURCES = bench/peers/turning.cc
 bench_peers_turning_CPPFLAGS = $(AM_CPPFLAGS) $(PEERS_CPPFLAGS)
 bench_peers_turning_CXXFLAGS = $(PEERS_CXXFLAGS)
-bench_peers_turning_LDADD = libpccd.la $(PEERS_LIBS) $(JANSSON_LIBS)
+bench_peers_turning_LDADD = libbench.la libtests.la libpccd.la $(PEERS_LIBS) $(JANSSON_LIBS) \
+    $(GMP_LIBS)
 
 bench-turning: bench/peers/turning
 	@$(AM_TESTS_ENVIRONMENT) bench/peers/turning $(BENCH_ARGS)

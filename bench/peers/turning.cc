@@ -29,6 +29,10 @@
 
 #include "pccd.h"
 
+extern "C" {
+#include "bench_scene.h"
+}
+
 namespace
 {
 
@@ -769,6 +773,72 @@ world balls(int side, double way, bool deform)
     return made;
 }
 
+// The recorded n-body: each ball an object on a shift, and on a turn of up to 0.3 rad, or
+// as it has deformed. Without bodies if there is no $PCCD_DATA.
+world recorded_balls()
+{
+    const char *const names[2] = {"n-body-simulation/frames/balls16_18.ply",
+                                  "n-body-simulation/frames/balls16_19.ply"};
+    world made;
+    bench_scene all{};
+    bench_frames frames{};
+    made.motions.resize(1);
+    if (std::getenv("PCCD_DATA") == nullptr || !bench_read_recorded(&all, names, 1)) {
+        return made;
+    }
+    bench_frames_init(&frames, &all, 0);
+    const bench_object &object = all.objects[0];
+    std::vector<uint32_t> up, number(all.vertex_count);
+    for (uint32_t v = 0; v < all.vertex_count; v++) {
+        up.push_back(v);
+    }
+    const auto root = [&](uint32_t v) {
+        while (up[v] != v) {
+            v = up[v] = up[up[v]];
+        }
+        return v;
+    };
+    for (uint32_t i = 0; i < object.triangle_count; i++) {
+        const auto &v = object.triangles[i];
+        up[root(v[1])] = root(v[0]);
+        up[root(v[2])] = root(v[0]);
+    }
+    std::map<uint32_t, body> balls;
+    for (uint32_t v = 0; v < all.vertex_count; v++) {
+        body &ball = balls[root(v)];
+        number[v] = uint32_t(ball.x[0].size());
+        for (int end = 0; end < 2; end++) {
+            ball.x[end].emplace_back(frames.x[end][v]);
+        }
+    }
+    for (uint32_t i = 0; i < object.triangle_count; i++) {
+        const auto &v = object.triangles[i];
+        balls[root(v[0])].shape.faces.push_back(
+            {number[v[0]], number[v[1]], number[v[2]]});
+    }
+    std::mt19937_64 dice(7);
+    std::uniform_real_distribution<double> some(-1, 1);
+    for (auto &each : balls) {
+        body &ball = each.second;
+        vector middle[2] = {vector::Zero(), vector::Zero()};
+        for (int end = 0; end < 2; end++) {
+            for (const vector &x : ball.x[end]) {
+                middle[end] += x / double(ball.x[end].size());
+            }
+        }
+        for (const vector &x : ball.x[0]) {
+            ball.shape.x.push_back(x - middle[0]);
+        }
+        add_spinning(made, ball.shape, middle[0], middle[1] - middle[0],
+                     vector(some(dice), some(dice), 1), 0.3 * some(dice));
+        made.bodies.back().x[0] = ball.x[0];
+        made.bodies.back().x[1] = ball.x[1];
+    }
+    bench_frames_deinit(&frames);
+    bench_scene_free(&all);
+    return made;
+}
+
 // A part on a hinge, which it turns about once, and six around it: 35 000 triangles.
 world hinge(bool is_straight)
 {
@@ -827,7 +897,7 @@ void beside_straight(const char *name, const world &straight, const world &turni
         }
     }
     const double m[2] = {median(ms[0]), median(ms[1])};
-    std::printf("%-34s straight %8.3f ms, turning %8.3f ms: %.2f times\n", name,
+    std::printf("%-37s straight %8.3f ms, turning %8.3f ms: %.2f times\n", name,
                 m[0], m[1], m[1] / m[0]);
 }
 
@@ -854,6 +924,11 @@ void games(int times)
         const world some = balls(times == 1 ? 2 : row.side, row.way, row.deform);
         beside_straight(row.name, some, some, one_thread(PCCD_MODE_ALL),
                         1 + (times - 1) / row.part, true);
+    }
+    const world recorded = recorded_balls();
+    if (!recorded.bodies.empty()) {
+        beside_straight("n-body as recorded, half of it turns", recorded, recorded,
+                        one_thread(PCCD_MODE_ALL), 1 + (times - 1) / 4, true);
     }
 }
 
