@@ -73,7 +73,7 @@ struct found {
     bool has_begun; /* the first instant has been looked at */
 };
 
-/* Say what is to be done next of a pair. */
+/* Name what the search does next with a pair. */
 enum next {
     NEXT_LOOK,  /* at a span */
     NEXT_CROSS, /* prove that thin features meet where their planes cross */
@@ -87,7 +87,6 @@ struct decider {
     const struct eng_turning_limits *limits;
     struct eng_turning_answer *answer;
     const struct eng_kernels *kernels;
-    const struct eng_passage_calls *calls; /* one pair alone is quicker without lanes */
     uint32_t first_turning;
     uint32_t end_turning;
     double at_most;  /* r, rounded up */
@@ -329,8 +328,8 @@ static double try_windows(struct decider *decider, double middle)
     double reach = 0.25 * length_of(decider);
     for (int i = 0; i < WINDOWS; i++, reach *= 0.25) {
         if (set_window(decider, middle, reach)) {
-            decider->calls->prove(decider->poses, decider->pair->kind,
-                                  decider->pair->turning, &window, 1);
+            eng_scalar_passage.prove(decider->poses, decider->pair->kind,
+                                     decider->pair->turning, &window, 1);
             if (window->is_met) {
                 return window->to;
             }
@@ -686,7 +685,6 @@ static void begin(struct decider *decider)
     const uint32_t *points = common_kinds[pair->kind].points;
     struct eng_passage *known = &decider->passage;
     decider->kernels = eng_kernels_of(ENG_ISA_SCALAR);
-    decider->calls = &eng_scalar_passage;
     decider->first_turning = pair->turning == 0 ? 0 : points[0];
     decider->end_turning = pair->turning == 0 ? points[0] : 4;
     decider->is_inside = false;
@@ -839,6 +837,7 @@ static uint32_t look_at_all(struct batch *batch)
     if (looks == 0) {
         return 0;
     }
+    /* One pair alone is quicker without lanes. */
     const struct eng_passage_calls *calls =
         looks == 1 ? &eng_scalar_passage : eng_passage();
     if (first->has_planes) {

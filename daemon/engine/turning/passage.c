@@ -150,11 +150,23 @@ ENG_INLINE void sine_of(const struct value *angle, eng_d *sine, eng_d *cosine)
     *cosine = eng_d_of(((swaps & s) | (~swaps & c)) ^ (((turn + 1) & 2) << 62));
 }
 
+/* Return whether a pose turns nothing: all nine numbers have to say so, as the cosine of
+ * a small angle is 1. */
+static bool is_shift(const double g[12])
+{
+    for (int i = 0; i < 12; i++) {
+        if (i % 4 != 3 && g[i] != (i % 5 == 0 ? 1 : 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /* As rotation.h says; a shift alone, as most bodies have between their joints, is no work
  * for nine numbers. */
-ENG_INLINE void multiply(eng_d m[12], const double g[12])
+static inline void multiply(eng_d m[12], const double g[12])
 {
-    if (g[0] == 1 && g[5] == 1 && g[10] == 1) { /* so the others are 0 */
+    if (is_shift(g)) {
 #pragma GCC unroll 3
         for (eng_d *row = m; row < m + 12; row += 4) {
             row[3] = ((row[0] * g[3] + row[1] * g[7]) + row[2] * g[11]) + row[3];
